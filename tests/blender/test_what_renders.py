@@ -265,6 +265,22 @@ def test_the_surroundings_are_as_a_mirror_sees_them(tmp_path: Path) -> None:
     np.testing.assert_allclose(thing, [0, 0, 1], atol=0.1)
 
 
+def test_a_glowing_thing_that_does_not_light_the_object_is_dark_in_it(tmp_path: Path) -> None:
+    """As Cycles shows it: a mirror that light linking leaves out mirrors the thing without its light."""
+    receiver = ball()
+    stage.world((0, 0, 0))
+    box = cube("Box", (3, 0, 4))
+    box.data.materials.append(stage.material("Blue", "ShaderNodeEmission", Color=(0, 0, 1, 1)))
+    linked = bpy.data.collections.new("Receivers")
+    linked.objects.link(receiver)
+    box.light_linking.receiver_collection = linked
+    assert seen_around(receiver, tmp_path)[1][2] > 0.9
+    linked.collection_objects[0].light_linking.link_state = "EXCLUDE"
+    before = fingerprint()
+    assert not seen_around(receiver, tmp_path)[1].any()
+    assert differences(before, fingerprint()) == {}
+
+
 def test_instances_of_the_surroundings_are_in_their_layer_and_not_in_the_world(tmp_path: Path) -> None:
     receiver = ball()
     stage.world((0, 0, 0))

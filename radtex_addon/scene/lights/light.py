@@ -9,6 +9,7 @@ from typing import Any, cast
 
 import bpy
 
+from ..nodes import NodeBuilder
 from ..objects import is_rendered
 
 # Shader nodes that emit light, in materials and worlds, with their sockets of colour and strength.
@@ -72,6 +73,31 @@ def without_emission(material: bpy.types.Material) -> bpy.types.Material:
     dark = cast(bpy.types.Material, material.copy())
     _put_out(dark.node_tree, {})
     return dark
+
+
+def dark_to_cameras(material: bpy.types.Material) -> bpy.types.Material:
+    """A copy of the material whose emission cameras do not see; the material itself if it emits none."""
+    if not (_has_nodes(material) and _shines(material.node_tree)):
+        return material
+    copy = cast(bpy.types.Material, material.copy())
+    _hide_emission(copy.node_tree, {})
+    return copy
+
+
+def _hide_emission(tree: Any, copied: dict[bpy.types.ID, bpy.types.ID]) -> None:
+    """Multiply every emitter's strength by 0 for camera rays; copy each node group once."""
+    build = NodeBuilder(tree)
+    others = build.math("SUBTRACT", 1.0, build.node("ShaderNodeLightPath").outputs["Is Camera Ray"])
+    for node in list(tree.nodes):
+        for _, name in _EMITTERS.get(node.type, ()):
+            strength = node.inputs[name]
+            before = strength.links[0].from_socket if strength.is_linked else strength.default_value
+            build.feed(strength, build.math("MULTIPLY", before, others))
+        if node.type == "GROUP" and node.node_tree is not None:
+            if node.node_tree not in copied:
+                copy = copied[node.node_tree] = node.node_tree.copy()
+                _hide_emission(copy, copied)
+            node.node_tree = copied[node.node_tree]
 
 
 def dark_world(world: bpy.types.World | None) -> bpy.types.World | None:

@@ -7,6 +7,7 @@ from __future__ import annotations
 import logging
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, cast
@@ -20,7 +21,8 @@ from ....cycles.building_blocks import render_layers
 from ....cycles.denoiser import can_denoise
 from ....formats.disk.path_checks import render_path
 from ....scene.lights.casters import as_glossy_rays_see
-from ....scene.lights.light import world_in_reflections
+from ....scene.lights.light import dark_to_cameras, world_in_reflections
+from ....scene.lights.linking import lights
 from ....scene.mesh.evaluated import FARTHEST
 from ....scene.mesh.render_contents import Shape, Shown, read_render
 from ....scene.objects import is_rendered
@@ -184,7 +186,7 @@ def look_around(
     homes = _group(scene, near)
     camera = _Camera(scene, middle, radius, folder, seed)
     scene.render.film_transparent = True
-    with as_glossy_rays_see(scene):
+    with as_glossy_rays_see(scene), _unlinked_dark(scene, subjects):
         for things, home in zip(near, homes, strict=True):
             plane = None if things.plane is None else _seen_from_above(*things.plane, middle, radius)
             camera.move(middle if plane is None else middle + plane.eye)
@@ -196,6 +198,34 @@ def look_around(
                 layers.append(layer)
     paths = panorama_paths(len(near), world_width, near_width)
     return Panoramas(world, tuple(layers), paths)
+
+
+@contextmanager
+def _unlinked_dark(scene: bpy.types.Scene, subjects: Collection[bpy.types.Object]) -> Iterator[None]:
+    """Let cameras not see the emission of objects that light linking keeps from a subject, as it does not.
+
+    Their slots have their own materials again at the end.
+    """
+
+    def unlinked(shown: Iterator[Shown]) -> set[bpy.types.Object]:
+        return {
+            one.original
+            for one in shown
+            if one.evaluated.type != "LIGHT"
+            and not all(lights(one.original, subject) for subject in subjects)
+        }
+
+    linking = any(cast(Any, item).light_linking.receiver_collection for item in bpy.data.objects)
+    items = read_render(scene, unlinked) if linking else set()
+    slots: list[Any] = [slot for item in items for slot in item.material_slots if slot.material is not None]
+    before = [slot.material for slot in slots]
+    try:
+        for slot, material in zip(slots, before, strict=True):
+            slot.material = dark_to_cameras(material)
+        yield
+    finally:
+        for slot, material in zip(slots, before, strict=True):
+            slot.material = material
 
 
 def _layer(
