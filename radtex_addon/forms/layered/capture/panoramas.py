@@ -202,9 +202,9 @@ def look_around(
 
 @contextmanager
 def _unlinked_dark(scene: bpy.types.Scene, subjects: Collection[bpy.types.Object]) -> Iterator[None]:
-    """Let cameras not see the emission of objects that light linking keeps from a subject, as it does not.
+    """Hide from cameras the emission of objects that by light linking do not light all subjects.
 
-    Their slots have their own materials again at the end.
+    Cycles does not show it to them, in mirrors either. The slots have their own materials again at the end.
     """
 
     def unlinked(shown: Iterator[Shown]) -> set[bpy.types.Object]:
