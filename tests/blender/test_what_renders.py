@@ -338,13 +338,14 @@ def test_the_first_sun_is_one_that_renders() -> None:
 
 
 def hidden(place: tuple[float, float, float], receiver: Any) -> bool:
-    """Whether a small lamp at a place is hidden from the upper half of the ball."""
+    """Whether the small lamp *On*, put at a place, is hidden from the upper half of the ball."""
+    on = bpy.data.objects["On"] if "On" in bpy.data.objects else lamp("On", place)
     direction = np.random.default_rng(3).normal(size=(200, 3))
     direction[:, 2] = np.abs(direction[:, 2])
     direction /= np.linalg.norm(direction, axis=1, keepdims=True)
     plan = stage.plan_of(MIDDLE + direction, direction, 1)
     with scratch_scene(context.scene) as scratch:
-        return bool(hidden_lamps(scratch, [receiver], plan, [(np.array(place, float), 0.1)])[0])
+        return bool(hidden_lamps(scratch, [receiver], plan, [(on, np.array(place, float), 0.1)])[0])
 
 
 def test_a_lamp_behind_a_wall_is_hidden_and_one_before_it_is_not() -> None:
@@ -356,6 +357,14 @@ def test_a_lamp_behind_a_wall_is_hidden_and_one_before_it_is_not() -> None:
     wall.visible_shadow = False
     assert not hidden((0, 0, 12), receiver)
     wall.visible_shadow = True
+    bpy.data.objects["On"].light_linking.blocker_collection = bpy.data.collections.new("Blockers")
+    linked = bpy.data.objects["On"].light_linking.blocker_collection
+    linked.objects.link(wall)
+    assert hidden((0, 0, 12), receiver)
+    linked.collection_objects[0].light_linking.link_state = "EXCLUDE"
+    assert not hidden((0, 0, 12), receiver)
+    linked.objects.unlink(wall)
+    assert hidden((0, 0, 12), receiver)
     wall.data.materials.append(stage.material("Pane", "ShaderNodeBsdfGlass"))
     assert not hidden((0, 0, 12), receiver)
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Light linking: which objects a lamp lights."""
+"""Light and shadow linking: which objects a lamp lights, and which hide it from others."""
 
 from __future__ import annotations
 
@@ -11,19 +11,28 @@ import bpy
 
 
 def lights(lamp: bpy.types.Object, receiver: bpy.types.Object) -> bool:
-    """Whether an object that gives light lights another one.
+    """Whether an object that gives light lights another one."""
+    return _is_linked(cast(Any, lamp).light_linking.receiver_collection, receiver)
 
-    As Blender decides it (blenkernel/intern/light_linking.cc and Cycles's light sets): where the lamp's
-    receiver collection includes objects, only those, and never those that it excludes.
+
+def shadows(lamp: bpy.types.Object, blocker: bpy.types.Object) -> bool:
+    """Whether an object casts a shadow in the light of another one."""
+    return _is_linked(cast(Any, lamp).light_linking.blocker_collection, blocker)
+
+
+def _is_linked(collection: Any, item: bpy.types.Object) -> bool:
+    """Whether a linking collection, if there is one, has the effect on an object.
+
+    As Blender decides it (blenkernel/intern/light_linking.cc and Cycles's light sets): where the collection
+    includes objects, on those alone, and never on those that it excludes.
     """
-    collection = cast(Any, lamp).light_linking.receiver_collection
     if collection is None:
         return True
     states: dict[str, set[bpy.types.Object]] = {"INCLUDE": set(), "EXCLUDE": set()}
-    for item, state in _members(collection):
-        states[state].add(item)
-    included = not states["INCLUDE"] or receiver in states["INCLUDE"]
-    return included and receiver not in states["EXCLUDE"]
+    for member, state in _members(collection):
+        states[state].add(member)
+    included = not states["INCLUDE"] or item in states["INCLUDE"]
+    return included and item not in states["EXCLUDE"]
 
 
 def _members(collection: Any) -> Iterator[tuple[bpy.types.Object, str]]:

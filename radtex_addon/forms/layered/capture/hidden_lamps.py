@@ -14,6 +14,7 @@ from mathutils.bvhtree import BVHTree
 
 from ....bake.plan import CapturePlan
 from ....core.arrays import Bools, Floats, Ints
+from ....scene.lights.linking import shadows
 from ....scene.mesh.evaluated import FARTHEST
 from ....scene.mesh.render_contents import Placed, Shape, Shown, read_render
 from ....scene.mesh.triangle_tree import triangle_tree
@@ -54,23 +55,26 @@ def hidden_lamps(
     scene: bpy.types.Scene,
     subjects: Collection[bpy.types.Object],
     plan: CapturePlan,
-    lamps: Sequence[tuple[Floats, float]],
+    lamps: Sequence[tuple[bpy.types.Object, Floats, float]],
 ) -> Bools:
     """Whether each of some lamps is hidden from most points of the plan that face it: (L,).
 
-    `lamps` are places (3,) and radii. The `subjects`, which are baked, hide nothing here, nor does what lets
-    light through or shadow rays do not see. Raises BakeError where Blender does not render.
+    `lamps` are objects, places (3,) and radii. The `subjects`, which are baked, hide nothing here, nor does
+    what lets light through or casts no shadow in a lamp's light. Raises BakeError where Blender does not
+    render.
     """
-    sights = Sights.of(plan, lamps)
+    sights = Sights.of(plan, [(place, radius) for _, place, radius in lamps])
     blocked = np.zeros(len(sights.lamp), dtype=bool)
     trees: dict[Shape, BVHTree] = {}
-    for placed in read_render(scene, lambda shown: list(_between(shown, frozenset(subjects), sights))):
+    between = read_render(scene, lambda shown: list(_between(shown, frozenset(subjects), sights)))
+    for item, placed in between:
+        hides = np.array([shadows(lamp, item) for lamp, _, _ in lamps])
         if placed.shape not in trees:
             trees[placed.shape] = triangle_tree(placed.shape.position, placed.shape.triangles)
         turn = np.linalg.inv(placed.matrix)
         start = sights.start @ turn[:3, :3].T + turn[:3, 3]
         along = sights.along @ turn[:3, :3].T
-        for ray in np.flatnonzero(~blocked):
+        for ray in np.flatnonzero(~blocked & hides[sights.lamp]):
             length = float(np.linalg.norm(along[ray]))
             met = trees[placed.shape].ray_cast(Vector(start[ray]), Vector(along[ray] / length), length)
             blocked[ray] = met[0] is not None
@@ -80,7 +84,7 @@ def hidden_lamps(
 
 def _between(
     shown: Iterator[Shown], subjects: frozenset[bpy.types.Object], sights: Sights
-) -> Iterator[Placed]:
+) -> Iterator[tuple[bpy.types.Object, Placed]]:
     """Things whose boxes rays pass, and that may hide something."""
     for one in shown:
         if one.owner in subjects or "shadow" not in one.seen_by or is_clear(one.original):
@@ -89,7 +93,7 @@ def _between(
         if not (np.abs(corners) < FARTHEST).all() or abs(np.linalg.det(one.matrix[:3, :3])) < _LEAST**3:
             continue
         if _pass(sights, corners.min(axis=0), corners.max(axis=0)).any() and one.shape is not None:
-            yield Placed(one.shape, one.matrix, one.seen_by)
+            yield one.original, Placed(one.shape, one.matrix, one.seen_by)
 
 
 def _pass(sights: Sights, low: Floats, high: Floats) -> Bools:

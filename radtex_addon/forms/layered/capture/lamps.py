@@ -132,7 +132,7 @@ def find_lamps(
     Raises BakeError where Cycles fails.
     """
     lamps = [lamp for lamp in lamps_shown(scene, receivers) if _is_apart(lamp, middle)]
-    places = [(middle + lamp.towards(middle), lamp.diameter / 2) for lamp in lamps]
+    places = [(lamp.item, middle + lamp.towards(middle), lamp.diameter / 2) for lamp in lamps]
     hidden = hidden_lamps(scene, receivers, plan, places) if lamps else np.zeros(0, dtype=bool)
     lamps = [lamp for lamp, is_hidden in zip(lamps, hidden, strict=True) if not is_hidden]
     if not lamps:
