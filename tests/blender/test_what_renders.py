@@ -15,7 +15,7 @@ import pytest
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import InputError
-from radtex_addon.forms.layered.capture.hidden_lamps import hidden_lamps
+from radtex_addon.forms.layered.capture.hidden_lamps import Target, hidden_lamps
 from radtex_addon.forms.layered.capture.lamps import lamps_shown
 from radtex_addon.forms.layered.capture.panoramas import Near, _seen_from_above, look_around, near_things
 from radtex_addon.forms.layered.files.layered_files import read_layered
@@ -337,15 +337,16 @@ def test_the_first_sun_is_one_that_renders() -> None:
     assert found.name == "C"
 
 
-def hidden(place: tuple[float, float, float], receiver: Any) -> bool:
-    """Whether the small lamp *On*, put at a place, is hidden from the upper half of the ball."""
-    on = bpy.data.objects["On"] if "On" in bpy.data.objects else lamp("On", place)
+def hidden(place: tuple[float, float, float], receiver: Any, item: Any = None) -> bool:
+    """Whether a small lamp at a place is hidden from the upper half of the ball."""
+    if item is None:
+        item = bpy.data.objects["Asked"] if "Asked" in bpy.data.objects else lamp("Asked", (0, 0, 90))
     direction = np.random.default_rng(3).normal(size=(200, 3))
     direction[:, 2] = np.abs(direction[:, 2])
     direction /= np.linalg.norm(direction, axis=1, keepdims=True)
     plan = stage.plan_of(MIDDLE + direction, direction, 1)
     with scratch_scene(context.scene) as scratch:
-        return bool(hidden_lamps(scratch, [receiver], plan, [(on, np.array(place, float), 0.1)])[0])
+        return bool(hidden_lamps(scratch, [receiver], plan, [Target(item, np.array(place, float), 0.1)])[0])
 
 
 def test_a_lamp_behind_a_wall_is_hidden_and_one_before_it_is_not() -> None:
@@ -357,16 +358,41 @@ def test_a_lamp_behind_a_wall_is_hidden_and_one_before_it_is_not() -> None:
     wall.visible_shadow = False
     assert not hidden((0, 0, 12), receiver)
     wall.visible_shadow = True
-    bpy.data.objects["On"].light_linking.blocker_collection = bpy.data.collections.new("Blockers")
-    linked = bpy.data.objects["On"].light_linking.blocker_collection
-    linked.objects.link(wall)
-    assert hidden((0, 0, 12), receiver)
-    linked.collection_objects[0].light_linking.link_state = "EXCLUDE"
-    assert not hidden((0, 0, 12), receiver)
-    linked.objects.unlink(wall)
-    assert hidden((0, 0, 12), receiver)
     wall.data.materials.append(stage.material("Pane", "ShaderNodeBsdfGlass"))
     assert not hidden((0, 0, 12), receiver)
+
+
+def test_a_near_wall_hides_the_sun() -> None:
+    receiver = ball()
+    floor("Wall", 5.5, size=20)
+    assert hidden((0, 0, 1e4), receiver), "the wall is half a unit away, and a sun ten thousand"
+
+
+def test_a_pane_in_a_wall_of_the_same_mesh_does_not_make_the_wall_clear() -> None:
+    receiver = ball()
+    wall = floor("Wall", 8, size=20, subdivisions=8).data
+    wall.materials.append(stage.material("Plaster", "ShaderNodeBsdfDiffuse"))
+    wall.materials.append(stage.material("Pane", "ShaderNodeBsdfGlass"))
+    wall.polygons[0].material_index = 1
+    assert hidden((0, 0, 12), receiver)
+    for face in wall.polygons:
+        face.material_index = 1 - face.material_index
+    assert not hidden((0, 0, 12), receiver)
+
+
+def test_a_lamp_without_shadows_shines_through_walls() -> None:
+    receiver = ball()
+    wall = floor("Wall", 8, size=20)
+    asked = lamp("Asked", (0, 0, 90))
+    asked.data.use_shadow = False
+    assert not hidden((0, 0, 12), receiver)
+    asked.data.use_shadow = True
+    assert hidden((0, 0, 12), receiver)
+    asked.light_linking.blocker_collection = bpy.data.collections.new("Blockers")
+    asked.light_linking.blocker_collection.objects.link(receiver)
+    assert not hidden((0, 0, 12), receiver), "shadow linking leaves the wall out"
+    asked.light_linking.blocker_collection.objects.link(wall)
+    assert hidden((0, 0, 12), receiver)
 
 
 def test_instances_hide_lamps_and_the_object_itself_does_not() -> None:

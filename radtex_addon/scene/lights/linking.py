@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Light and shadow linking: which objects a lamp lights, and which hide it from others."""
+"""Light and shadow linking: which objects a lamp lights, and which cast shadows of its light."""
 
 from __future__ import annotations
 
@@ -11,21 +11,22 @@ import bpy
 
 
 def lights(lamp: bpy.types.Object, receiver: bpy.types.Object) -> bool:
-    """Whether an object that gives light lights another one."""
-    return _is_linked(cast(Any, lamp).light_linking.receiver_collection, receiver)
+    """Whether an object that gives light lights another one.
+
+    As Blender decides it (blenkernel/intern/light_linking.cc and Cycles's light sets): where the lamp's
+    receiver collection includes objects, only those, and never those that it excludes.
+    """
+    return _is_linked_to(cast(Any, lamp).light_linking.receiver_collection, receiver)
 
 
 def shadows(lamp: bpy.types.Object, blocker: bpy.types.Object) -> bool:
-    """Whether an object casts a shadow in the light of another one."""
-    return _is_linked(cast(Any, lamp).light_linking.blocker_collection, blocker)
+    """Whether an object keeps a lamp's light from others, where it stands in its way."""
+    if not cast(Any, lamp.data).use_shadow:
+        return False
+    return _is_linked_to(cast(Any, lamp).light_linking.blocker_collection, blocker)
 
 
-def _is_linked(collection: Any, item: bpy.types.Object) -> bool:
-    """Whether a linking collection, if there is one, has the effect on an object.
-
-    As Blender decides it (blenkernel/intern/light_linking.cc and Cycles's light sets): where the collection
-    includes objects, on those alone, and never on those that it excludes.
-    """
+def _is_linked_to(collection: Any, item: bpy.types.Object) -> bool:
     if collection is None:
         return True
     states: dict[str, set[bpy.types.Object]] = {"INCLUDE": set(), "EXCLUDE": set()}

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeVar, cast
+from typing import Any, TypeAlias, TypeVar, cast
 
 import bpy
 import numpy as np
@@ -20,6 +20,7 @@ from .evaluated import render_with
 
 RAYS = ("camera", "diffuse", "glossy", "transmission", "volume_scatter", "shadow")
 _Read = TypeVar("_Read")
+_LeftOut: TypeAlias = Callable[[bpy.types.Material | None], bool]
 _TOP = "radtex_top"  # a custom property of scratch scenes
 
 
@@ -99,8 +100,17 @@ class Shown:
             return None
         key = item.original.session_uid, item.data.as_pointer()  # geometry nodes instance bare meshes
         if key not in self._shapes:
-            self._shapes[key] = _shape_of(item)
+            self._shapes[key] = _shape_of(item, _is_mere_volume)
         return self._shapes[key]
+
+    def shape_without(self, left_out: Callable[[bpy.types.Material], bool]) -> Shape | None:
+        """As `shape`, without the faces whose material is to be left out; it is read anew each time."""
+
+        def both(material: bpy.types.Material | None) -> bool:
+            original = None if material is None else cast(bpy.types.Material, material.original)
+            return _is_mere_volume(material) or (original is not None and left_out(original))
+
+        return _shape_of(self.evaluated, both) if self.evaluated.type == "MESH" else None
 
 
 def read_render(scratch: bpy.types.Scene, read: Callable[[Iterator[Shown]], _Read]) -> _Read:
@@ -167,7 +177,7 @@ def top_of_render(scratch: bpy.types.Scene) -> float:
     return float(kept[_TOP])
 
 
-def _shape_of(item: bpy.types.Object) -> Shape | None:
+def _shape_of(item: bpy.types.Object, left_out: _LeftOut) -> Shape | None:
     mesh = cast(Any, item.to_mesh())
     if mesh is None:
         return None
@@ -179,22 +189,22 @@ def _shape_of(item: bpy.types.Object) -> Shape | None:
         mesh.vertices.foreach_get("co", position.ravel())
         mesh.loop_triangles.foreach_get("vertices", triangles.ravel())
         mesh.loop_triangles.foreach_get("material_index", material)
-        triangles = triangles[_opaque(item, mesh, material)]
+        triangles = triangles[_kept(item, mesh, material, left_out)]
     finally:
         item.to_mesh_clear()
     return Shape(position, triangles) if len(triangles) else None
 
 
-def _opaque(item: bpy.types.Object, mesh: bpy.types.Mesh, index: Ints) -> Bools:
-    """Which triangles, by their material indices `index` (F,), are more than a volume's boundary: (F,)."""
+def _kept(item: bpy.types.Object, mesh: bpy.types.Mesh, index: Ints, left_out: _LeftOut) -> Bools:
+    """Which triangles, by their material indices `index` (F,), have a material that is kept: (F,)."""
     materials = list(mesh.materials)
     for place, slot in enumerate(item.material_slots[: len(materials)]):
         if slot.link == "OBJECT":
             materials[place] = slot.material
     if not materials:
         return np.ones(len(index), dtype=bool)
-    surfaces = np.array([not _is_mere_volume(material) for material in materials])
-    found: Bools = surfaces[np.clip(index, 0, len(materials) - 1)]
+    kept = np.array([not left_out(material) for material in materials])
+    found: Bools = kept[np.clip(index, 0, len(materials) - 1)]
     return found
 
 

@@ -14,15 +14,25 @@ from mathutils.bvhtree import BVHTree
 
 from ....bake.plan import CapturePlan
 from ....core.arrays import Bools, Floats, Ints
+from ....scene.checks.see_through import is_see_through
 from ....scene.lights.linking import shadows
 from ....scene.mesh.evaluated import FARTHEST
-from ....scene.mesh.render_contents import Placed, Shape, Shown, read_render
+from ....scene.mesh.render_contents import Shape, Shown, read_render
 from ....scene.mesh.triangle_tree import triangle_tree
 from .enclosed import is_clear
 
 _POINTS = 64  # of the surface, from which is asked
-_APART = 1e-4  # of a ray's length: at its start it meets what the point lies on
+_APART = 1e-4  # of the surface's size: what is nearer to a ray's start is what the point lies on
 _LEAST = 1e-12  # component of a direction
+
+
+@dataclass(frozen=True, eq=False)
+class Target:
+    """A lamp that may be hidden: the `item`, the `place` (3,) where renders have it, and its `radius`."""
+
+    item: bpy.types.Object
+    place: Floats
+    radius: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,20 +44,21 @@ class Sights:
     along: Floats
 
     @classmethod
-    def of(cls, plan: CapturePlan, lamps: Sequence[tuple[Floats, float]]) -> Sights:
-        """From points of the plan that face the lamps, places (3,) and radii, to the lamps' near sides."""
+    def of(cls, plan: CapturePlan, lamps: Sequence[Target]) -> Sights:
+        """From points of the plan that face the lamps, to the lamps' near sides."""
         step = max(1, len(plan.texel) // _POINTS)
         points = plan.points[::step].astype(np.float64)
+        apart = _APART * float(np.linalg.norm(points - points.mean(axis=0), axis=1).max())
         normals = plan.normal.reshape(-1, 3)[: len(plan.texel) : step]
         numbers, starts, alongs = [], [], []
-        for number, (place, radius) in enumerate(lamps):
-            along = place - points
+        for number, lamp in enumerate(lamps):
+            along = lamp.place - points
             distance = np.linalg.norm(along, axis=1, keepdims=True)
-            some = ((along * normals).sum(axis=1) > 0) & (distance[:, 0] > radius)
-            along = along[some] * (1 - radius / distance[some])
-            starts.append(points[some] + _APART * along)
-            alongs.append((1 - _APART) * along)
-            numbers.append(np.full(len(along), number))
+            some = ((along * normals).sum(axis=1) > 0) & (distance[:, 0] > lamp.radius + 2 * apart)
+            unit, length = along[some] / distance[some], distance[some] - lamp.radius
+            starts.append(points[some] + apart * unit)
+            alongs.append((length - 2 * apart) * unit)
+            numbers.append(np.full(len(unit), number))
         return cls(np.concatenate(numbers), np.concatenate(starts), np.concatenate(alongs))
 
 
@@ -55,45 +66,60 @@ def hidden_lamps(
     scene: bpy.types.Scene,
     subjects: Collection[bpy.types.Object],
     plan: CapturePlan,
-    lamps: Sequence[tuple[bpy.types.Object, Floats, float]],
+    lamps: Sequence[Target],
 ) -> Bools:
-    """Whether each of some lamps is hidden from most points of the plan that face it: (L,).
+    """Whether each of some `lamps` is hidden from most points of the plan that face it: (L,).
 
-    `lamps` are objects, places (3,) and radii. The `subjects`, which are baked, hide nothing here, nor does
-    what lets light through or casts no shadow in a lamp's light. Raises BakeError where Blender does not
+    The `subjects`, which are baked, hide nothing here, nor does what lets light through, what shadow rays do
+    not see, or what a lamp's shadows or shadow linking leave out. Raises BakeError where Blender does not
     render.
     """
-    sights = Sights.of(plan, [(place, radius) for _, place, radius in lamps])
+    sights = Sights.of(plan, lamps)
     blocked = np.zeros(len(sights.lamp), dtype=bool)
     trees: dict[Shape, BVHTree] = {}
-    between = read_render(scene, lambda shown: list(_between(shown, frozenset(subjects), sights)))
-    for item, placed in between:
-        hides = np.array([shadows(lamp, item) for lamp, _, _ in lamps])
-        if placed.shape not in trees:
-            trees[placed.shape] = triangle_tree(placed.shape.position, placed.shape.triangles)
-        turn = np.linalg.inv(placed.matrix)
+    for between in read_render(scene, lambda shown: list(_between(shown, frozenset(subjects), sights))):
+        shadowed = np.array([shadows(lamp.item, between.owner) for lamp in lamps])
+        if between.shape not in trees:
+            trees[between.shape] = triangle_tree(between.shape.position, between.shape.triangles)
+        turn = np.linalg.inv(between.matrix)
         start = sights.start @ turn[:3, :3].T + turn[:3, 3]
         along = sights.along @ turn[:3, :3].T
-        for ray in np.flatnonzero(~blocked & hides[sights.lamp]):
+        for ray in np.flatnonzero(~blocked & shadowed[sights.lamp]):
             length = float(np.linalg.norm(along[ray]))
-            met = trees[placed.shape].ray_cast(Vector(start[ray]), Vector(along[ray] / length), length)
+            met = trees[between.shape].ray_cast(Vector(start[ray]), Vector(along[ray] / length), length)
             blocked[ray] = met[0] is not None
     every = np.bincount(sights.lamp, minlength=len(lamps))
     return np.bincount(sights.lamp, blocked, minlength=len(lamps)) > every / 2
 
 
+@dataclass(frozen=True, eq=False)
+class _Between:
+    """Faces in the rays' way: their `shape`, its `matrix` (4, 4) to the world, and whose they are."""
+
+    owner: bpy.types.Object
+    shape: Shape
+    matrix: Floats
+
+
 def _between(
     shown: Iterator[Shown], subjects: frozenset[bpy.types.Object], sights: Sights
-) -> Iterator[tuple[bpy.types.Object, Placed]]:
+) -> Iterator[_Between]:
     """Things whose boxes rays pass, and that may hide something."""
     for one in shown:
-        if one.owner in subjects or "shadow" not in one.seen_by or is_clear(one.original):
+        if one.owner in subjects or "shadow" not in one.seen_by:
             continue
         corners = one.bounds
         if not (np.abs(corners) < FARTHEST).all() or abs(np.linalg.det(one.matrix[:3, :3])) < _LEAST**3:
             continue
-        if _pass(sights, corners.min(axis=0), corners.max(axis=0)).any() and one.shape is not None:
-            yield one.original, Placed(one.shape, one.matrix, one.seen_by)
+        if not _pass(sights, corners.min(axis=0), corners.max(axis=0)).any():
+            continue
+        shape = one.shape_without(_lets_through) if is_clear(one.original) else one.shape
+        if shape is not None:
+            yield _Between(one.owner, shape, one.matrix)
+
+
+def _lets_through(material: bpy.types.Material) -> bool:
+    return is_see_through(material, glass=True)
 
 
 def _pass(sights: Sights, low: Floats, high: Floats) -> Bools:
