@@ -227,6 +227,14 @@ def test_things_that_are_nowhere_are_left_out_by_name(caplog: pytest.LogCaptureF
     assert "object 'Blown up'" in caplog.text
 
 
+def test_a_portal_is_no_lamp() -> None:
+    receiver = ball()
+    bpy.ops.object.light_add(type="AREA", location=(0, 0, 9))
+    assert len(lit(receiver)) == 1
+    context.object.data.cycles.is_portal = True
+    assert not lit(receiver)
+
+
 def test_what_glossy_rays_do_not_see_is_no_near_thing() -> None:
     receiver = ball()
     cube("Unseen by cameras", (3, 0, 0)).visible_camera = False

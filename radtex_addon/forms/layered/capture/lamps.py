@@ -91,7 +91,7 @@ def lamps_shown(scene: bpy.types.Scene, receivers: Sequence[bpy.types.Object]) -
     """The lamps that a scratch scene renders, instanced ones included, that light all of the `receivers`.
 
     What a lamp lights but in part, by light linking, is left to the rest of the light, and so are lamps that
-    take light away, have no area or are nowhere. Raises BakeError where Blender does not render.
+    take light away, are portals, have no area or are nowhere. Raises BakeError where Blender does not render.
     """
 
     def read(shown: Iterator[Shown]) -> list[LampShown]:
@@ -177,11 +177,13 @@ def _is_apart(lamp: LampShown, middle: Floats) -> bool:
 
 
 def _is_lost(lamp: LampShown) -> bool:
-    """Whether a lamp has no place, which is said, or no area to send light from: Cycles leaves it out."""
+    """Whether a lamp sends no light: a portal, one without area, or one that is nowhere, which is said."""
     if not (np.abs(lamp.matrix) < FARTHEST).all():
         log.warning("lamp '%s' is nowhere, or too far away: nothing mirrors it", lamp.item.name)
         return True
-    return bool(lamp.data.type == "AREA" and min(lamp.sides.values()) * lamp.stretch <= 0)
+    if lamp.data.type != "AREA":
+        return False
+    return bool(lamp.data.cycles.is_portal or min(lamp.sides.values()) * lamp.stretch <= 0)
 
 
 def _power(data: Any) -> float:
