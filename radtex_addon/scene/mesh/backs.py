@@ -48,13 +48,13 @@ def seen_from_behind_steps(mesh: EvaluatedMesh) -> Steps[Bools]:
     """Which triangles can be seen from behind from outside the mesh, in whole regions: (F,).
 
     Cosine-distributed rays start at each triangle's back; it can be seen if some of them meet no other
-    triangle. Triangles whose material culls back faces are left out, since engines do not draw their backs,
-    and so are triangles for which the mesh already has one that faces the other way. Of a mesh of many
-    triangles a ray from each is cast only if one leaves it of those that start all over it. Yields progress.
+    triangle. Triangles for which the mesh already has one that faces the other way are left out. A material's
+    Backface Culling does not count, as Cycles ignores it. Of a mesh of many triangles a ray from each is cast
+    only if one leaves it of those that start all over it. Yields progress.
     """
     triangles = mesh.triangles
     area = areas_on_surface(mesh.position, triangles)
-    wanted = (area > 0) & ~_culled(mesh)
+    wanted = area > 0
     if not wanted.any():
         return wanted
     tree = triangle_tree(mesh.position, triangles)
@@ -168,14 +168,6 @@ def twin_numbers(mesh: Any) -> Ints | None:
     values = np.empty(len(mesh.polygons), dtype=np.int32)
     attribute.data.foreach_get("value", values)
     return values.astype(np.int64) if values.max(initial=-1) < len(values) else None
-
-
-def _culled(mesh: EvaluatedMesh) -> Bools:
-    if not mesh.materials:
-        return np.zeros(len(mesh.triangles), dtype=bool)
-    culls = [material is not None and material.use_backface_culling for material in mesh.materials]
-    found: Bools = np.array(culls)[mesh.material_index]
-    return found
 
 
 def _paired(vertex: Ints) -> Bools:
