@@ -121,9 +121,9 @@ def test_backface_culling_takes_no_back_away() -> None:
     """Cycles ignores the flag, which the glTF importer sets on every material that is not double-sided."""
     bpy.ops.mesh.primitive_grid_add(x_subdivisions=4, y_subdivisions=4)
     mesh = context.object.data
-    for number in range(2):
-        mesh.materials.append(stage.material(f"{number}", "ShaderNodeBsdfDiffuse"))
-        mesh.materials[number].use_backface_culling = number == 1
+    for index in range(2):
+        mesh.materials.append(stage.material(f"{index}", "ShaderNodeBsdfDiffuse"))
+        mesh.materials[index].use_backface_culling = index == 1
     mesh.polygons.foreach_set("material_index", np.arange(16) // 8)
     assert seen().all()
     found = prepared(BakeSpec(texels=32))
