@@ -132,6 +132,16 @@ def test_backface_culling_takes_no_back_away() -> None:
     assert (~fronts(number)).sum() == fronts(number).sum()
 
 
+@pytest.mark.parametrize(("side", "counts"), [(0.1, False), (0.3, True)])
+def test_crumbs_that_are_seen_from_behind_get_no_texels(side: float, counts: bool) -> None:
+    """A sheet beside a box of 24 square units: 0.01 of them count for nothing, 0.09 do."""
+    bpy.ops.mesh.primitive_plane_add(size=side, location=(3, 0, 0))
+    bpy.ops.mesh.primitive_cube_add()
+    bpy.ops.object.select_all(action="SELECT")
+    bpy.ops.object.join()
+    assert seen().sum() == (2 if counts else 0)
+
+
 def test_a_twin_faces_the_other_way() -> None:
     mesh = read(bowl())
     faces = np.arange(len(mesh.triangles)) % 3 == 0

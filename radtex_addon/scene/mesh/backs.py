@@ -34,6 +34,7 @@ _SPREAD = 3  # how often each triangle's result is averaged with its neighbours'
 _SEEN = 0.01  # share of a triangle's rays that must leave the mesh
 _HOLE = 0.02  # times the area seen from behind: smaller unseen regions next to it count as seen, too
 _CRACK = 0.02  # times the area of the connected surface: smaller seen regions get no twins
+_FEW = 0.002  # times the mesh's area: if less is seen from behind in total, nothing gets twins
 _INSET = 0.1  # share of the way to the triangle's middle: keeps rays' starts away from its edges
 _LIFT = 5e-6  # times the mesh's diagonal: how far twins are off their faces in previews
 _APART = 1.2  # times the mesh's extent: how far twins are moved for the unwrap
@@ -49,8 +50,10 @@ def seen_from_behind_steps(mesh: EvaluatedMesh) -> Steps[Bools]:
 
     Cosine-distributed rays start at each triangle's back; it can be seen if some of them meet no other
     triangle. Triangles for which the mesh already has one that faces the other way are left out. A material's
-    Backface Culling does not count, as Cycles ignores it. Of a mesh of many triangles a ray from each is cast
-    only if one leaves it of those that start all over it. Yields progress.
+    Backface Culling does not count, as Cycles ignores it. Where only a few crumbs of the mesh are seen from
+    behind, none count: for a handful of texels, a fit UV layer would be given up, or an unwrap not fit into
+    few texels. Of a mesh of many triangles a ray from each is cast only if one leaves it of those that start
+    all over it. Yields progress.
     """
     triangles = mesh.triangles
     area = areas_on_surface(mesh.position, triangles)
@@ -74,7 +77,8 @@ def seen_from_behind_steps(mesh: EvaluatedMesh) -> Steps[Bools]:
     seen = seen | _joined(seen, first, second)
     seen &= ~_small(seen, first, second, area, _CRACK * _area_of_surface(first, second, area))
     hole = _small(~seen, first, second, area, np.full(len(seen), _HOLE * area[seen].sum()))
-    return wanted & (seen | (hole & _beside(hole, seen, first, second)))
+    found: Bools = wanted & (seen | (hole & _beside(hole, seen, first, second)))
+    return found & (area[found].sum() > _FEW * area.sum())
 
 
 def with_twins(mesh: EvaluatedMesh, faces: Bools) -> EvaluatedMesh:
