@@ -1,24 +1,27 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is fitted of the surface itself: diffuse light by viewer, and maps of materials that meet."""
+"""What is fitted of the surface itself: diffuse light by viewer, and maps of materials and normals."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from radtex_addon.bake.light_samples import LightSamples, spread_shifts
+from radtex_addon.bake.light_samples import EndSamples, LightSamples, mirrored, spread_shifts
+from radtex_addon.bake.progress import finished
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.hemisphere import square_to_direction
 from radtex_addon.core.octahedron import cell_directions
 from radtex_addon.cycles.portal import Aim
 from radtex_addon.forms.layered.fit.bucket_grid import BucketGrid
 from radtex_addon.forms.layered.fit.falloffs import fit_falloffs
+from radtex_addon.forms.layered.fit.fitting import fit_layered
 from radtex_addon.forms.layered.fit.own_light import Surface
 from radtex_addon.forms.layered.fit.texel_maps import tints
 from radtex_addon.forms.layered.fit.view_dependence import view_dependence
 from radtex_addon.forms.layered.lookup.falloffs import falloff_at
-from tests.layered.test_layered import CELLS, SIDE, flat_plan
+from radtex_addon.forms.layered.samples import Capture, OwnRays
+from tests.layered.test_layered import CELLS, SIDE, flat_plan, flat_samples
 from tests.layered.test_ways import stripes_below
 
 pytestmark = pytest.mark.one_blender
@@ -113,3 +116,36 @@ def test_each_material_has_a_falloff_of_its_own() -> None:
     np.testing.assert_allclose(told[1], 2 - cosine, atol=0.08)
     np.testing.assert_allclose(told[2], 1)
     np.testing.assert_allclose(diffuse[:2], 1, atol=0.08)
+
+
+@pytest.mark.parametrize("tilt", [0, 25])
+def test_what_rays_meet_is_told_in_the_directions_that_they_went(tilt: float) -> None:
+    """A wall stands on one side, red below and green above, whatever normal map the floor before it has."""
+    plan, rays = flat_plan(16), flat_samples(24)
+    axis = mirrored(plan, rays.square)
+    hit = axis[..., 0] < 0
+    met = np.full(np.count_nonzero(hit), -1, np.int32)
+    above = axis[hit][:, 2] > 0.6
+    light = np.stack([~above, above, 0 * above], axis=1).astype(np.float32)
+    own = OwnRays(rays, hit, met, np.zeros((len(met), 3), np.float32), light)
+    square = Aim(spread_shifts(SIDE * SIDE, 3)).square(16)
+    black, one = np.zeros((*square.shape[:2], 3), np.float16), np.ones((SIDE, SIDE, 3), np.float32)
+    samples = LightSamples(
+        plan, square, seen=np.ones(square.shape[:2], dtype=bool), diffuse=black, mirrored=black,
+        through=black, colour=one.reshape(-1, 3),
+    )  # fmt: skip
+    alone = EndSamples(plan, square, 1 + black, mirrored(plan, square), black, black)
+    angle = np.radians(tilt)
+    normal = one * np.array([np.sin(angle), 0, np.cos(angle)], np.float32)
+    maps = {"diffuse": one, "glossy": one, "normal": normal, "material": 0 * one[..., :1]}
+    capture = Capture(samples, alone, own, stripes_below(), maps, maps, np.zeros(SIDE * SIDE, np.int32))
+    told = finished(fit_layered(capture)).own
+    towards = cell_directions(told.shape[2]).reshape(-1, 3)
+    told = told.reshape(-1, len(towards), 4)
+    free, wall = towards[:, 0] > 0.2, towards[:, 0] < -0.2
+    shown = (towards[:, 2] > 0.25) & (np.abs(towards[:, 2] - 0.6) > 0.15)
+    assert told[:, free & shown, 3].min() > 0.97
+    assert told[:, wall & shown, 3].max() < 0.03
+    red, green = told[:, wall & shown & (towards[:, 2] < 0.6)], told[:, wall & shown & (towards[:, 2] > 0.6)]
+    np.testing.assert_allclose(red.mean(axis=(0, 1))[:2], [1, 0], atol=0.05)
+    np.testing.assert_allclose(green.mean(axis=(0, 1))[:2], [0, 1], atol=0.05)

@@ -62,9 +62,8 @@ def fit_layered(
     falloff, irradiance = _diffuse(capture, facing, colour, neighbours, parts, known)
     del facing
     yield Progress(Stage.FIT, 1, _STEPS)
-    rays = turned_samples(capture.own.rays, normal)
-    own = replace(capture.own, rays=rays)
-    free = free_share(rays, own.hit, grid, CELLS[0][0])
+    own = capture.own  # its rays were traced about the mesh's normals, whatever the shading normals
+    free = free_share(own.rays, own.hit, grid, CELLS[0][0])
     yield Progress(Stage.FIT, 2, _STEPS)
     if capture.alone is not None:
         paths = _open_paths(capture, capture.alone, normal, free, grid)

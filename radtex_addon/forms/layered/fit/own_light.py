@@ -15,6 +15,7 @@ from typing import cast
 import numpy as np
 
 from ....bake.blocks import in_blocks
+from ....bake.light_samples import mirrored
 from ....bake.plan import CapturePlan
 from ....core.arrays import Floats, Ints
 from ....core.octahedron import direction_to_octahedron
@@ -24,7 +25,6 @@ from ..lookup.falloffs import falloff_at
 from ..lookup.lobes import Material
 from ..samples import OwnRays
 from .bucket_grid import Block, BucketGrid
-from .turned import mirrored_about
 
 _TURNS = 2
 _GRAZING = 0.02  # N.V, below which a texel does not face a ray
@@ -135,7 +135,7 @@ class _Seen:
         first = np.searchsorted(row, np.arange(len(texels)))
         ray = self.start[texels[row]] + np.arange(len(row)) - first[row]
         square = self.own.rays.square[texels][row, number][:, None]
-        axis = mirrored_about(self.surface.plan, square, self.surface.normal, texels[row])[:, 0]
+        axis = mirrored(self.surface.plan, square, texels[row])[:, 0]
         met = self.own.met[ray]
         facing = (-(self.surface.normal[met] * axis).sum(axis=1) > _GRAZING) | (met < 0)
         faces = facing.astype(np.float32)
