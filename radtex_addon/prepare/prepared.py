@@ -46,6 +46,7 @@ from ..scene.units import metres_per_unit
 from .detailed import Detailed, read_detailed
 from .facts import facts_of
 from .map_checks import why_wasteful
+from .mesh_faults import all_once, chosen_once, faults_told, find_once
 from .twins import all_with_twins, chosen_with_twins, find_all_two_sided, single_copy
 from .unwrapping import AtlasPart, Unwrapped, Unwraps, shapes_at, unwrap_surfaces
 
@@ -239,6 +240,7 @@ def prepare(
 ) -> Generator[Progress, None, Prepared]:
     """Evaluate and unwrap the scratch scene's objects; the copies' meshes are appended to `kept`.
 
+    Faults of the meshes are logged as warnings, and triangles that are there twice are taken once.
     The `store` gets the digests of the scene and the unwrap; `unwraps` is a cache of unwraps, for several
     calls. The atlas is called `name`, by default like the first object. With `backs`, faces that are seen
     from behind get twins (`scene.mesh.backs`), except with a UV layer of the user's own or with a source.
@@ -258,6 +260,12 @@ def prepare(
     shapes = evaluated
     if spec.unwrap_at is not None and spec.unwrap_at != spec.frame:
         shapes = shapes_at(scratch, originals, spec.unwrap_at, evaluated)
+    told = faults_told(  # of the meshes as they are
+        evaluated, None if detailed is None else detailed.mesh
+    )
+    distinct = [find_once(mesh) for mesh in evaluated]
+    shapes, evaluated = all_once(shapes, distinct), all_once(evaluated, distinct)
+    chosen = chosen_once(chosen, distinct)
     if backs:
         doubled = yield from find_all_two_sided(evaluated, spec)
         shapes, evaluated = all_with_twins(shapes, doubled), all_with_twins(evaluated, doubled)
@@ -266,7 +274,10 @@ def prepare(
     if store is not NO_STORE and spec.density is not None:
         store.set_facts({"scene's unit in metres": str(metres)})
     yield Progress(Stage.UNWRAP, 0, 1)
-    unwrapped = yield from unwrap_surfaces(shapes, spec, metres, store, {} if unwraps is None else unwraps)
+    with told:
+        unwrapped = yield from unwrap_surfaces(
+            shapes, spec, metres, store, {} if unwraps is None else unwraps
+        )
     yield Progress(Stage.RASTER, 0, 1)
     prepared = yield from _joined(
         name or originals[0].name, originals, evaluated, unwrapped, spec, chosen, metres

@@ -26,6 +26,7 @@ from ..core.gutter import LEAST_AGREEMENT, covered_in_coarser, gutter_agreement
 from ..core.messages import Setting, do
 from ..core.texel_map import covered_texels
 from ..prepare.detailed import Detailed, read_detailed
+from ..prepare.mesh_faults import all_once, find_once
 from ..scene.mesh.backs import seen_from_behind, with_twins, with_twins_moved
 from ..scene.mesh.copy import baked_mesh, surface_mesh
 from ..scene.mesh.evaluated import EvaluatedMesh, evaluate
@@ -62,6 +63,7 @@ def find_mesh(
     fit. Yields progress. Raises InputError if no layer fits, or if what it was baked from is missing.
     """
     evaluated = evaluate(scratch, original)
+    (evaluated,) = all_once([evaluated], [find_once(evaluated)])
     if bake.form.traits.backs and bake.unwrapped:
         evaluated = with_twins(evaluated, seen_from_behind(evaluated))
     detailed = None

@@ -4,11 +4,13 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from math import cos, inf, nan, pi, sin
 from pathlib import Path
 from typing import Any
 
+import bmesh
 import bpy
 import numpy as np
 import pytest
@@ -192,6 +194,40 @@ def test_what_is_far_away_is_baked_with_a_warning(
     assert 0.7 < np.median(bake(out)) < 0.9
     assert "stands 1e+04 scene units from the origin" in caplog.text
     assert "move the scene to the origin" in caplog.text
+
+
+def edited(made: Any, twice: bool = False, turned: Callable[[int], bool] = lambda _: False) -> None:
+    """Join a mesh to a copy of itself, or turn some of its faces, by index, inside out."""
+    shape = bmesh.new()
+    shape.from_mesh(made.data)
+    if twice:
+        bmesh.ops.duplicate(shape, geom=[*shape.verts, *shape.edges, *shape.faces])
+    bmesh.ops.reverse_faces(shape, faces=[face for face in shape.faces if turned(face.index)])
+    shape.to_mesh(made.data)
+    shape.free()
+
+
+def test_faces_that_are_there_twice_are_told_and_baked_once(
+    out: Path, temporary: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    """On a UV layer on which they would overlap everywhere."""
+    edited(cube(), twice=True)
+    assert np.isfinite(bake(out)).all()
+    assert "24 of the 24 triangles of object 'Odd' lie on one another, which Cycles shows as" in caplog.text
+    assert "choose Mesh > Merge > By Distance" in caplog.text
+
+
+def test_faces_that_are_turned_inside_out_are_told(
+    out: Path, temporary: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    bpy.ops.mesh.primitive_uv_sphere_add()
+    context.object.name = "Odd"
+    context.object.data.uv_layers.remove(context.object.data.uv_layers[0])
+    edited(context.object, turned=lambda index: index % 2 == 0)
+    told = "faces of object 'Odd' are turned inside out: along .* of its edges neighbours face opposite"
+    with pytest.raises(InputError, match=f"12 texels are too few .*, since {told}.*Recalculate Outside"):
+        bake(out)
+    assert re.search(f"{told}.*choose Mesh > Normals > Recalculate Outside", caplog.text)
 
 
 def test_normals_that_look_inwards_or_nowhere(out: Path, temporary: Path) -> None:

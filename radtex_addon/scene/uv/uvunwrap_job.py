@@ -97,8 +97,9 @@ def pack(points: Floats, faces: Ints, owner: Ints, padding: int, size: int) -> S
     atlas = yield from _finished(job, MERGED, 1.0)
     if atlas.page_count > 1:
         raise InputError(
-            f"{size} texels are too few for the {atlas.chart_count} islands of this unwrap: ask for at least "
-            f"{_enough(atlas, size)} texels, or less padding"
+            f"{size} texels are too few for the {atlas.chart_count} islands of this unwrap",
+            do(f"ask for at least {_enough(atlas, size)} texels"),
+            do("less padding"),
         )
     uv, owner = _of_triangles(atlas)
     width, height = atlas.width - 2 * padding, atlas.height - 2 * padding

@@ -1,0 +1,100 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Say what is wrong with a mesh before rays are spent on it, and leave out faces that are there twice."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import TypeAlias
+
+import numpy as np
+
+from ..core.arrays import Bools, Floats, Ints
+from ..core.errors import InputError
+from ..core.islands import areas_on_surface, weld
+from ..core.mesh_faults import overlaid, repeated, turned_share
+from ..core.messages import Message, do
+from ..scene.mesh.evaluated import EvaluatedMesh
+from ..scene.mesh.mesh_parts import taken
+
+log = logging.getLogger(__name__)
+
+Once: TypeAlias = Bools | None  # of a mesh, the triangles (F,) that repeat no other; None for all
+
+_DOUBLED = 0.005  # of a mesh's area that lies on itself, from which on it is told
+_TURNED = 0.02  # of its edges: a Möbius strip has a few, too
+
+
+def mesh_faults(mesh: EvaluatedMesh, texels: bool = True) -> list[Message]:
+    """What is wrong with the mesh, and how to mend it; of one that gets no `texels`, what shows."""
+    found = []
+    place, vertex = _welded(mesh)
+    doubled = overlaid(place, vertex)
+    area = areas_on_surface(place, vertex)
+    if area[doubled].sum() > _DOUBLED * area.sum():
+        found.append(
+            Message(
+                f"{np.count_nonzero(doubled)} of the {len(doubled)} triangles of object '{mesh.name}' lie on "
+                "one another, which Cycles shows as dark blotches",
+                (do("select all in Edit Mode and choose Mesh > Merge > By Distance"),),
+            )
+        )
+    turned = turned_share(vertex) if texels else 0.0
+    if turned > _TURNED:
+        found.append(
+            Message(
+                f"faces of object '{mesh.name}' are turned inside out: along {turned:.0%} of its edges "
+                "neighbours face opposite sides, and texels are spent on what nobody sees",
+                (do("select all in Edit Mode and choose Mesh > Normals > Recalculate Outside"),),
+            )
+        )
+    return found
+
+
+@contextmanager
+def faults_told(meshes: Sequence[EvaluatedMesh], source: EvaluatedMesh | None) -> Iterator[None]:
+    """Log the faults of meshes, and of the source of their texels; inside, they explain InputErrors."""
+    faults = [fault for mesh in meshes for fault in mesh_faults(mesh)]
+    faults += [] if source is None else mesh_faults(source, texels=False)
+    for fault in faults:
+        log.warning(fault)
+    try:
+        yield
+    except InputError as error:
+        if not faults:
+            raise
+        problem = f"{error.message.problem}, since {faults[0].problem}"
+        raise InputError(problem, *faults[0].remedies, *error.message.remedies) from error
+
+
+def find_once(mesh: EvaluatedMesh) -> Once:
+    """The triangles (F,) without those that repeat an earlier one, of the same material; None if none does.
+
+    The copies need no texels of their own: Cycles, and whoever draws the mesh, shows one of them.
+    """
+    again = repeated(_welded(mesh)[1], mesh.material_index)
+    return ~again if again.any() else None
+
+
+def all_once(meshes: Sequence[EvaluatedMesh], found: Sequence[Once]) -> list[EvaluatedMesh]:
+    """The meshes, of each the triangles that were `found`."""
+    pairs = zip(meshes, found, strict=True)
+    return [mesh if faces is None else taken(mesh, faces) for mesh, faces in pairs]
+
+
+def chosen_once(chosen: Sequence[Bools] | None, found: Sequence[Once]) -> list[Bools] | None:
+    """The marks (F,) of the meshes' triangles that were `found`."""
+    if chosen is None:
+        return None
+    pairs = zip(chosen, found, strict=True)
+    return [some if faces is None else some[faces] for some, faces in pairs]
+
+
+def _welded(mesh: EvaluatedMesh) -> tuple[Floats, Ints]:
+    """The places of the mesh's vertices, each once, and its triangles (F, 3) of these."""
+    number = weld(mesh.position)
+    place = np.empty((int(number.max(initial=-1)) + 1, 3), dtype=mesh.position.dtype)
+    place[number] = mesh.position
+    return place, number[mesh.triangles]
