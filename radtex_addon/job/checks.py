@@ -22,6 +22,7 @@ from ..scene.camera_place import find_camera_place
 from ..scene.checks.active_camera import camera_dependent
 from ..scene.checks.camera_nodes import camera_materials
 from ..scene.checks.enclosing_volumes import volumes_around
+from ..scene.checks.finite_light import refuse_unfinite_light
 from ..scene.checks.missing_files import file_warnings
 from ..scene.checks.outside import check_outside_files
 from ..scene.checks.refusals import refuse_see_through
@@ -86,6 +87,8 @@ def check_request(
         form_for(spec).check_previewable(spec)
         check_replaceable(items)
     _check_names(scene, layer, items, spec)
+    if spec.kind.traits.needs_light:
+        refuse_unfinite_light(scene, layer)
     return _warnings(scene, layer, items, spec)
 
 

@@ -1,15 +1,21 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A scene is called dark where nothing in it could shine, and only there."""
+"""A scene is called dark where nothing in it could shine, and only there; what cannot shine is refused."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import inf, nan
+from pathlib import Path
 from typing import Any
 
 import bpy
 import pytest
 
+from radtex_addon.bake.spec import BakeSpec
+from radtex_addon.core.errors import InputError
+from radtex_addon.job import check_request
+from radtex_addon.scene.checks.finite_light import refuse_unfinite_light
 from radtex_addon.scene.lights.light import is_dark
 from tests.blender import stage
 
@@ -154,3 +160,109 @@ def test_an_object_that_was_just_removed_is_no_light() -> None:
     lamp(100.0)
     bpy.data.objects.remove(context.object)
     assert dark()
+
+
+def linked(strength: Callable[[Any], Any]) -> None:
+    """A card whose glow has the strength that nodes compute."""
+    material = emission()
+    tree: Any = material.node_tree
+    made = next(node for node in tree.nodes if node.type == "EMISSION")
+    tree.links.new(strength(tree), made.inputs["Strength"])
+    card(material)
+
+
+def number(tree: Any, value: float) -> Any:
+    node = tree.nodes.new("ShaderNodeValue")
+    node.outputs[0].default_value = value
+    return node.outputs[0]
+
+
+def computed(tree: Any, operation: str, *values: float) -> Any:
+    node = tree.nodes.new("ShaderNodeMath")
+    node.operation = operation
+    for socket, value in zip(node.inputs, values, strict=False):
+        socket.default_value = value
+    return node.outputs[0]
+
+
+def lit_world(strength: float, colour: float = 1) -> None:
+    stage.world((colour, 1, 1))
+    background = next(node for node in context.scene.world.node_tree.nodes if node.type == "BACKGROUND")
+    background.inputs["Strength"].default_value = strength
+
+
+def red_lamp(red: float) -> None:
+    lamp(1).data.color = (red, 1, 1)
+
+
+def instanced_lamp(energy: float) -> None:
+    """Of a collection that is in the scene as an instance alone."""
+    hidden = bpy.data.collections.new("Lamps")
+    hidden.objects.link(bpy.data.objects.new("Far", bpy.data.lights.new("Far", "POINT")))
+    hidden.objects[0].data.energy = energy
+    empty = bpy.data.objects.new("Empty", None)
+    empty.instance_type, empty.instance_collection = "COLLECTION", hidden
+    context.scene.collection.objects.link(empty)
+
+
+UNFINITE: dict[str, tuple[Callable[[], object], str]] = {
+    "a glow": (
+        lambda: card(emission(Strength=inf)),
+        "material 'glow': Strength of its node 'Emission' is inf",
+    ),
+    "a glow that is no number": (
+        lambda: card(emission(Strength=nan)),
+        "material 'glow': Strength of its node 'Emission' is not a number, and Cycles drops such light: give",
+    ),
+    "a node's number": (
+        lambda: linked(lambda tree: number(tree, inf)),
+        "Strength of its node 'Emission' is inf",
+    ),
+    "a product": (
+        lambda: linked(lambda tree: computed(tree, "MULTIPLY", 1e25, 1e25)),
+        "Strength of its node 'Emission' is infinite",
+    ),
+    "a power": (
+        lambda: linked(lambda tree: computed(tree, "POWER", 1e30, 30)),
+        "Strength of its node 'Emission' is infinite",
+    ),
+    "a colour": (
+        lambda: card(stage.material("Red", "ShaderNodeBsdfPrincipled", Base_Color=(nan, 0.5, 0.5, 1))),
+        "material 'Red': Base Color of its node 'Principled BSDF' is not a number",
+    ),
+    "a world": (lambda: lit_world(nan), "world 'World': Strength of its node 'Background' is not a number"),
+    "a world's colour": (lambda: lit_world(1, nan), "world 'World': Color of its node 'Background' is not a"),
+    "a lamp": (
+        lambda: lamp(inf),
+        "lamp 'Point': its strength is infinite, and Cycles drops such light",
+    ),
+    "a lamp's colour": (lambda: red_lamp(nan), "lamp 'Point': its colour is not a number"),
+    "an instanced lamp": (lambda: instanced_lamp(inf), "lamp 'Far': its strength is infinite"),
+}
+
+
+@pytest.mark.parametrize("name", UNFINITE)
+def test_light_that_is_no_number_is_refused_by_name(name: str, tmp_path: Path) -> None:
+    """Where Cycles shows black there, or drops the light of other lamps with it."""
+    make, words = UNFINITE[name]
+    make()
+    card().name = "Baked"
+    with pytest.raises(InputError, match=words) as refused:
+        check_request(context.scene, "Baked", BakeSpec(samples=1), tmp_path, False, False)
+    assert "\n" not in str(refused.value)
+
+
+FINITE: dict[str, Callable[[], object]] = {
+    "a division by 0": lambda: linked(lambda tree: computed(tree, "DIVIDE", 1, 0)),
+    "a root of a number below 0": lambda: linked(lambda tree: computed(tree, "POWER", -2, 0.5)),
+    "a strong lamp": lambda: lamp(1e12),
+    "a lamp that is hidden": lambda: setattr(lamp(inf), "hide_render", True),
+    "a node that nothing uses": lambda: number(stage.world().node_tree, nan),
+    "a limit that is no light": lambda: computed(stage.world().node_tree, "MAXIMUM", 3e38),
+}
+
+
+@pytest.mark.parametrize("name", FINITE)
+def test_what_cycles_shows_all_the_same_is_not_refused(name: str) -> None:
+    FINITE[name]()
+    refuse_unfinite_light(context.scene, context.scene.view_layers[0])

@@ -9,6 +9,7 @@ that its geometry nodes set.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from typing import Any, TypeAlias, cast
 
@@ -17,17 +18,30 @@ import bpy
 from ..objects import is_rendered
 from ..scratch import find_view_layer
 
+
+def _power(base: float, exponent: float) -> float:
+    try:
+        found = base**exponent
+    except OverflowError:
+        return math.inf
+    except ZeroDivisionError:
+        return 0.0
+    return found if isinstance(found, float) else 0.0  # of a number below 0
+
+
 _CLEAR = frozenset({"BSDF_TRANSPARENT", "HOLDOUT", "BSDF_RAY_PORTAL", "SCRIPT"})
 _GLASS = frozenset({"BSDF_GLASS", "BSDF_REFRACTION"})
 _ARITHMETIC: dict[str, Callable[[float, float], float]] = {
     "ADD": lambda a, b: a + b,
     "SUBTRACT": lambda a, b: a - b,
     "MULTIPLY": lambda a, b: a * b,
+    "DIVIDE": lambda a, b: a / b if b else 0.0,  # as Cycles does
+    "POWER": _power,
     "MAXIMUM": max,
     "MINIMUM": min,
 }
 
-_Groups: TypeAlias = tuple[Any, ...]  # the group nodes that a socket lies in, outermost first
+Groups: TypeAlias = tuple[Any, ...]  # the group nodes that a socket lies in, outermost first
 
 
 def why_no_surface(scene: bpy.types.Scene, item: bpy.types.Object) -> str:
@@ -69,43 +83,43 @@ def is_see_through(material: bpy.types.Material, glass: bool = False) -> bool:
 def fills_volume(material: bpy.types.Material) -> bool:
     """Whether the material has a volume."""
     output = _output(material)
-    return output is not None and _source(output.inputs["Volume"], ()) is not None
+    return output is not None and source_of(output.inputs["Volume"], ()) is not None
 
 
 def _output(material: bpy.types.Material) -> Any:
     return None if material.node_tree is None else material.node_tree.get_output_node("CYCLES")
 
 
-def _is_clear(socket: Any, groups: _Groups, glass: bool) -> bool:
+def _is_clear(socket: Any, groups: Groups, glass: bool) -> bool:
     """Whether the shader that feeds the input `socket` may be clear."""
-    found = _source(socket, groups)
+    found = source_of(socket, groups)
     if found is None:
         return False
     node, _, groups = found
     if node.type == "MIX_SHADER":
-        share = _value(node.inputs[0], groups)
+        share = value_at(node.inputs[0], groups)
         mixed = [node.inputs[1 + index] for index in (0, 1) if share != 1 - index]
         return any(_is_clear(one, groups, glass) for one in mixed)
     if node.type == "ADD_SHADER":
         return any(_is_clear(one, groups, glass) for one in node.inputs)
     if node.type == "BSDF_PRINCIPLED":
-        alpha, through = (_value(node.inputs[name], groups) for name in ("Alpha", "Transmission Weight"))
+        alpha, through = (value_at(node.inputs[name], groups) for name in ("Alpha", "Transmission Weight"))
         return alpha is None or alpha < 1 or (glass and through != 0)
     return node.type in _CLEAR or (glass and node.type in _GLASS)
 
 
-def _value(socket: Any, groups: _Groups) -> float | None:
+def value_at(socket: Any, groups: Groups) -> float | None:
     """The number at an input `socket` for camera rays; None if nodes compute it in a way not known here."""
-    found = _source(socket, groups)
+    found = source_of(socket, groups)
     if found is None:
         return float(socket.default_value) if not socket.is_linked else None
     node, output, groups = found
     if node.type in ("VALUE", "GROUP"):  # an unlinked input of a group
-        return float(output.default_value)
+        return float(output.default_value) if output.type in ("VALUE", "INT") else None
     if node.type == "LIGHT_PATH" and output.name.startswith("Is "):
         return 1.0 if output.name == "Is Camera Ray" else 0.0
     if node.type == "MATH" and node.operation in _ARITHMETIC:
-        first, second = (_value(one, groups) for one in list(node.inputs)[:2])
+        first, second = (value_at(one, groups) for one in list(node.inputs)[:2])
         if first is None or second is None:
             return None
         result = _ARITHMETIC[node.operation](first, second)
@@ -113,7 +127,7 @@ def _value(socket: Any, groups: _Groups) -> float | None:
     return None
 
 
-def _source(socket: Any, groups: _Groups) -> tuple[Any, Any, _Groups] | None:
+def source_of(socket: Any, groups: Groups) -> tuple[Any, Any, Groups] | None:
     """The node and output that feed an input, followed through reroutes, muted nodes and groups; or None.
 
     If an unlinked input of a group node feeds it: that node and input.
