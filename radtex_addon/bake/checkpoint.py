@@ -102,8 +102,8 @@ class Checkpoint(PieceStore):
         return self._lock is not None
 
     def set_facts(self, facts: Facts) -> None:
-        self._facts.update(facts)
         if self._known is None:
+            self._facts.update(facts)
             return
         if said := self._known.differences(facts):
             raise InputError(
@@ -111,6 +111,8 @@ class Checkpoint(PieceStore):
                 do("bake as before"),
                 do("begin anew", Setting.OVERWRITE, without=(Setting.RESUME,)),
             )
+        known = self._known.facts  # they may differ by rounding, and pieces are of these
+        self._facts.update({name: known[name] for name in facts})
 
     def names(self) -> list[str]:
         if self._known is None and not self._begun:

@@ -13,6 +13,7 @@ from typing import Any, TypeAlias
 
 from ..core.errors import InputError
 from ..core.messages import Remedy, Setting, do
+from ..core.near_digest import is_same
 from ..formats.disk.atomic import write_text
 from ..formats.disk.lock import NoLockError, holder
 from ..formats.disk.regular import read_regular
@@ -40,7 +41,10 @@ class Key:
     made: dict[str, Any] | None = None
 
     def differences(self, facts: Facts) -> str:
-        """The facts that differ from `facts`, in words for a message; empty if none does."""
+        """The facts that differ from `facts`, in words for a message; empty if none does.
+
+        Digests of meshes that differ by rounding alone are the same.
+        """
         said = [_difference(name, self.facts.get(name), value) for name, value in facts.items()]
         return ", ".join(words for words in said if words)
 
@@ -139,7 +143,7 @@ def _is_key(key: dict[str, Any]) -> bool:
 
 
 def _difference(name: str, before: str | None, now: str) -> str:
-    if before == now:
+    if before is not None and is_same(before, now):
         return ""
     if before is None or now.startswith(DIGEST):
         return name

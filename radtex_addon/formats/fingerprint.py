@@ -1,16 +1,25 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a bake was made of, as digests by parts, so that one can tell what has changed since."""
+"""What a bake was made of, as digests by parts, so that one can tell what has changed since.
+
+The geometry of objects with modifiers is not always to the last bit what it was: its digests also tell what
+they are near to. In the sidecar that is beside the exact digests, so that fingerprints with and without it
+compare.
+"""
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
+from typing import Any
 
+from ..core.near_digest import NearDigest
 from .json_reader import Facts
 
 VERSION = 1  # another one digests other things: such fingerprints cannot be compared
 KEY = "fingerprint"  # in the sidecar
+NEAR = "near"  # in the fingerprint: what parts are near to
 PARTS = ("mesh", "transform", "materials", "settings", "surroundings")
+_NEAR_PARTS = ("mesh", "surroundings")  # texts of NearDigest
 
 
 @dataclass(frozen=True)
@@ -47,14 +56,16 @@ class Fingerprint:
         mixed = {part: "" for part in PARTS if part != "settings" and not self._has(part, earlier)}
         return replace(self, **{**mixed, "settings": settings})  # type: ignore[arg-type]  # all are strings
 
-    def to_facts(self) -> dict[str, str | int]:
+    def to_facts(self) -> dict[str, Any]:
         """The fingerprint as JSON values."""
-        found = asdict(self)
-        return {"version": found.pop("version"), **found}
+        digests = {part: NearDigest.parse(getattr(self, part)) for part in PARTS}
+        near = {part: digests[part].near for part in _NEAR_PARTS if digests[part].near}
+        exact = {part: digest.exact for part, digest in digests.items()}
+        return {"version": self.version, **exact} | ({NEAR: near} if near else {})
 
     def _has(self, part: str, other: Fingerprint) -> bool:
-        mine = getattr(self, part)
-        return bool(mine) and mine == getattr(other, part)
+        mine, its = NearDigest.parse(getattr(self, part)), NearDigest.parse(getattr(other, part))
+        return bool(mine.exact) and mine.is_like(its)
 
 
 def fingerprint_in(facts: Facts) -> Fingerprint | None:
@@ -62,5 +73,9 @@ def fingerprint_in(facts: Facts) -> Fingerprint | None:
     if KEY not in facts.values:
         return None
     found = facts.inner(KEY)
+    near = found.inner(NEAR) if NEAR in found.values else None
     parts = {part: found.text(part) for part in PARTS if part in found.values}
+    for part in _NEAR_PARTS:
+        if near is not None and part in near.values and part in parts:
+            parts[part] += f" {near.text(part)}"
     return Fingerprint(**parts, version=found.whole_number("version", 1))

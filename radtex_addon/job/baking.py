@@ -26,6 +26,7 @@ from ..core.atlas import AtlasLayout
 from ..core.blas import one_blas_thread
 from ..core.errors import InputError, RadTexError
 from ..core.messages import Setting, do
+from ..core.near_digest import is_same
 from ..core.sampler import Filter
 from ..cycles.device import use_device
 from ..export.exporting import export_steps
@@ -260,7 +261,7 @@ def _finished_baker(known: BakeOutput) -> Baker:
     """A baker for a finished bake: bakes nothing. It raises InputError if the mesh has changed since."""
 
     def bake(job: BakeJob) -> Generator[Progress, None, Outcome]:
-        if read_facts(job.sidecar).values.get("mesh") != job.prepared.digest:
+        if not is_same(str(read_facts(job.sidecar).values.get("mesh")), job.prepared.digest):
             raise InputError(
                 f"object '{job.prepared.name}' or its unwrap is no longer what {job.sidecar} is of, so that "
                 "no preview can be made",

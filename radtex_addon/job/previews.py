@@ -14,6 +14,7 @@ import numpy as np
 from ..bake.spec import BakeSpec
 from ..core.arrays import Ints
 from ..core.errors import FormatError
+from ..core.near_digest import is_same
 from ..core.sampler import Filter
 from ..formats.json_reader import Facts
 from ..formats.sidecar_file import read_facts
@@ -107,7 +108,7 @@ def _is_of(sidecar: Path, prepared: Shown, reading: tuple[str, int]) -> bool:
     """Whether the file is the sidecar of a bake of the same mesh that is read in the same way."""
     try:
         facts = read_facts(sidecar)
-        return facts.values.get("mesh") == prepared.digest and _reading(facts) == reading
+        return is_same(facts.text("mesh"), prepared.digest) and _reading(facts) == reading
     except FormatError:
         return False
 

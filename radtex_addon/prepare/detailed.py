@@ -75,7 +75,7 @@ def read_detailed(
     item = find_source(scratch, original, spec.source)
     source = evaluate(scratch, item)
     if store is not NO_STORE:
-        store.set_facts({"source's mesh": mesh_digest(source), "source's place": matrix_digest(source)})
+        store.set_facts({"source's mesh": str(mesh_digest(source)), "source's place": matrix_digest(source)})
     places = None
     if spec.cage is not None:
         places = read_cage(scratch, original, find_cage(scratch, original, spec.source, spec.cage))

@@ -17,6 +17,7 @@ import bpy
 import numpy as np
 
 from ..bake.hidden_cells import HiddenCells
+from ..bake.key import DIGEST
 from ..bake.piece_store import NO_STORE, PieceStore
 from ..bake.plan import CapturePlan, plan_capture
 from ..bake.progress import Progress, Stage, Steps, finished
@@ -26,6 +27,7 @@ from ..bake.texel_density import capped_warning
 from ..core.arrays import Bools, Floats, Ints
 from ..core.inset import inset
 from ..core.islands import areas_on_surface
+from ..core.near_digest import NearHash
 from ..core.ray_offset import ray_offset
 from ..core.seams import Seams, beyond_seams
 from ..core.surface import SurfaceMesh
@@ -45,6 +47,7 @@ from ..scene.mesh.together import joined_surface
 from ..scene.units import metres_per_unit
 from .detailed import Detailed, read_detailed
 from .facts import facts_of
+from .kept_meshes import as_begun
 from .map_checks import why_wasteful
 from .mesh_faults import all_once, chosen_once, faults_told, find_once
 from .twins import all_with_twins, chosen_with_twins, find_all_two_sided, single_copy
@@ -252,11 +255,17 @@ def prepare(
     if store is not NO_STORE:
         for mesh in evaluated:
             of = f" of '{mesh.name}'" if len(evaluated) > 1 else ""
-            store.set_facts({f"mesh{of}": mesh_digest(mesh), f"object's place{of}": matrix_digest(mesh)})
+            store.set_facts({f"mesh{of}": str(mesh_digest(mesh)), f"object's place{of}": matrix_digest(mesh)})
     chosen = None if spec.where is None else chosen_triangles(scratch, originals, spec.where)
     detailed = read_detailed(scratch, originals[0], spec, store)
     if store is not NO_STORE:
         store.set_facts(scene_digests(scratch))
+    metres = metres_per_unit(scratch)
+    if store is not NO_STORE and spec.density is not None:
+        store.set_facts({"scene's unit in metres": str(metres)})
+    evaluated = [as_begun(mesh, store, f"mesh-{number}") for number, mesh in enumerate(evaluated)]
+    if detailed is not None:
+        detailed = replace(detailed, mesh=as_begun(detailed.mesh, store, "mesh-source"))
     shapes = evaluated
     if spec.unwrap_at is not None and spec.unwrap_at != spec.frame:
         shapes = shapes_at(scratch, originals, spec.unwrap_at, evaluated)
@@ -270,9 +279,6 @@ def prepare(
         doubled = yield from find_all_two_sided(evaluated, spec)
         shapes, evaluated = all_with_twins(shapes, doubled), all_with_twins(evaluated, doubled)
         chosen = chosen_with_twins(chosen, doubled)
-    metres = metres_per_unit(scratch)
-    if store is not NO_STORE and spec.density is not None:
-        store.set_facts({"scene's unit in metres": str(metres)})
     yield Progress(Stage.UNWRAP, 0, 1)
     with told:
         unwrapped = yield from unwrap_surfaces(
@@ -371,9 +377,11 @@ def _joined_faces(chosen: Sequence[Bools], part: AtlasPart) -> Bools:
 
 def _digest(evaluated: Sequence[EvaluatedMesh], unwrapped: Unwrapped) -> str:
     """A digest of all meshes, whole, so that all parts of a bake have the same digest."""
-    found = hashlib.sha256()
+    exact, near = hashlib.sha256(), NearHash(" ".join(mesh.made_of for mesh in evaluated))
     for mesh, uv in zip(evaluated, unwrapped.uvs, strict=True):
         for values in (mesh.position, mesh.triangles, mesh.normal, uv):
-            found.update(f"{values.shape}".encode())
-            found.update(np.ascontiguousarray(values).reshape(-1).view(np.uint8).data)
-    return f"sha256:{found.hexdigest()}"
+            exact.update(f"{values.shape}".encode())
+            exact.update(np.ascontiguousarray(values).reshape(-1).view(np.uint8).data)
+            near.feed("", values, varies=mesh.drifts or values is uv)
+    found = f"{DIGEST}{exact.hexdigest()}"
+    return str(near.digest(found)) if any(mesh.made_of for mesh in evaluated) else found

@@ -21,6 +21,7 @@ from ..bake.texel_density import side_for
 from ..core.arrays import Bools, Floats
 from ..core.errors import InputError
 from ..core.islands import signed_areas, surface_areas, uv_islands, weld
+from ..core.near_digest import is_same
 from ..scene.at_frame import at_frame
 from ..scene.digests import matrix_digest, mesh_digest
 from ..scene.mesh.backs import with_twins_moved
@@ -93,18 +94,28 @@ def unwrap_surfaces(
             return _of_layer(meshes, parts, spec, metres, layer)
     piece = store.found(_UNWRAP)
     if piece is None:
-        digests = " ".join(mesh_digest(mesh) + matrix_digest(mesh) for mesh in meshes)
+        digests = [text for mesh in meshes for text in (str(mesh_digest(mesh)), matrix_digest(mesh))]
         options = unwrap_options(spec, metres)
         size = spec.texels if spec.density is None else f"{options.density} {options.most}"
-        key = f"{digests} {size} {spec.unwrap} {spec.padding} {spec.split}"
-        if key not in known:
-            known[key] = yield from _anew(meshes, parts, spec, options)
-        piece = known[key]
+        key = "\n".join((f"{size} {spec.unwrap} {spec.padding} {spec.split}", *digests))
+        piece = _known(known, key)
+        if piece is None:
+            piece = known[key] = yield from _anew(meshes, parts, spec, options)
         store.keep(_UNWRAP, piece)
     ends = np.cumsum([len(mesh.triangles) for mesh in meshes])
     sizes = piece["sizes"].tolist()
     made = [AtlasPart(name, parts[name], *size) for name, size in zip(parts, sizes, strict=True)]
     return Unwrapped(tuple(np.split(piece["uv"], ends[:-1])), UV_LAYER, tuple(made))
+
+
+def _known(known: Unwraps, key: str) -> Arrays | None:
+    """The cache's unwrap of the same meshes, but for rounding."""
+    wanted = key.split("\n")
+    for other, piece in known.items():
+        found = other.split("\n")
+        if len(found) == len(wanted) and all(map(is_same, found, wanted)):
+            return piece
+    return None
 
 
 def unwrap_options(spec: BakeSpec, metres: float) -> UnwrapOptions:

@@ -18,8 +18,9 @@ import numpy as np
 
 from ..bake.key import DIGEST
 from ..core.arrays import Floats
+from ..core.near_digest import NearDigest, NearHash, joined
 from .block_digests import block_settings, digest_of, setting
-from .content_digests import Geometry
+from .geometry_digests import Geometry
 from .mesh.evaluated import EvaluatedMesh, render_with
 from .render_settings import KEPT_OF_RENDER, LIGHT_PATHS
 from .working_space import working_space
@@ -31,16 +32,34 @@ _OBJECT = ("is_holdout", "is_shadow_catcher", "pass_index", "color", "instance_t
 _RAYS = ("camera", "diffuse", "glossy", "transmission", "volume_scatter", "shadow")
 
 
-def mesh_digest(mesh: EvaluatedMesh) -> str:
+def mesh_digest(mesh: EvaluatedMesh) -> NearDigest:
     """Digest of a mesh's geometry, normals, attributes (including UV layers) and material indices."""
+    exact = _exact_digest(mesh)
+    if not mesh.made_of:
+        return NearDigest(exact)
+    near = NearHash(f"{mesh.made_of} {_layers_of(mesh)}")
+    for array in (mesh.position, mesh.normal, *mesh.texture_space):
+        near.feed("", array, varies=mesh.drifts)
+    for numbers in (mesh.triangles, mesh.material_index):
+        near.feed("", numbers)
+    for attribute in sorted(mesh.attributes, key=lambda attribute: attribute.name):  # they have no order
+        near.feed(f"{attribute.name} {attribute.domain} {attribute.data_type}", attribute.values, varies=True)
+    return near.digest(exact)
+
+
+def _exact_digest(mesh: EvaluatedMesh) -> str:
     state = hashlib.sha256()
     for array in (mesh.position, mesh.triangles, mesh.normal, mesh.material_index, *mesh.texture_space):
         _feed(state, array)
     for attribute in mesh.attributes:
         state.update(repr((attribute.name, attribute.domain, attribute.data_type)).encode())
         _feed(state, attribute.values)
-    state.update(repr((mesh.flat, mesh.active_uv, mesh.active_color, mesh.render_color)).encode())
+    state.update(_layers_of(mesh).encode())
     return DIGEST + state.hexdigest()
+
+
+def _layers_of(mesh: EvaluatedMesh) -> str:
+    return repr((mesh.flat, mesh.active_uv, mesh.active_color, mesh.render_color))
 
 
 def array_digest(array: Floats) -> str:
@@ -85,7 +104,7 @@ def light_paths_digest(scratch: bpy.types.Scene) -> str:
 
 def _of_instances(depsgraph: bpy.types.Depsgraph) -> dict[str, str]:
     """Digests of objects (with their geometry), of lights and of materials."""
-    objects: list[str] = []
+    objects: list[tuple[str, NearDigest]] = []
     lights: list[str] = []
     materials: dict[str, bpy.types.Material] = {}
     geometry = Geometry()
@@ -99,16 +118,23 @@ def _of_instances(depsgraph: bpy.types.Depsgraph) -> dict[str, str]:
         if item.type == "LIGHT":
             lights.append(" ".join((said, *block_settings(item.data))))
             continue
-        objects.append(f"{said} {geometry.of(item)}")
+        objects.append((said, geometry.of(item)))
         for material in materials_of(item):
             materials[material.name_full] = material
     return {
-        "objects": digest_of(sorted(objects)),
+        "objects": str(_joined(objects)),
         "lights": digest_of(sorted(lights)),
         "materials": digest_of(
             text for name in sorted(materials) for text in (name, *block_settings(materials[name]))
         ),
     }
+
+
+def _joined(objects: list[tuple[str, NearDigest]]) -> NearDigest:
+    """One digest of what is said of each object, and of its geometry's, in no order."""
+    objects = sorted(objects, key=lambda each: (each[0], each[1].of))
+    exact = digest_of(sorted(f"{said} {shape.exact}" for said, shape in objects))
+    return joined(exact, (shape for _, shape in objects), (said for said, _ in objects))
 
 
 def object_settings(item: bpy.types.Object) -> str:

@@ -2,15 +2,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What a scene renders, as digests by objects, and from these the fingerprint of a bake.
 
-The scene is evaluated once for all its bakes. Digests are of values to the last bit, of animated and driven
-values as they are at the frame. They do not depend on the names of data-blocks, except where a material shows
-an object's random number, which Blender makes of its name.
+The scene is evaluated once for all its bakes. Digests are of values to the last bit, but for what Blender
+rounds otherwise each time, and of animated and driven values as they are at the frame. They do not depend on
+the names of data-blocks, except where a material shows an object's random number, which Blender makes of its
+name.
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any, cast
 
 import bpy
@@ -18,11 +19,12 @@ import numpy as np
 
 from ..bake.spec import BakeSpec, View
 from ..core.errors import InputError
+from ..core.near_digest import NearDigest, joined
 from ..formats.fingerprint import Fingerprint
 from .block_digests import block_settings, digest_of
 from .camera_place import place_of_camera
-from .content_digests import Geometry
 from .digests import light_paths_digest, materials_of, object_settings
+from .geometry_digests import Geometry
 from .lights.lamps import WORLD, find_lamps
 from .mesh.evaluated import render_with
 from .working_space import working_space
@@ -43,14 +45,19 @@ class ObjectDigests:
     of: str
     kind: str
     is_instance: bool
-    mesh: str
+    mesh: NearDigest
     transform: str
     materials: str
 
     @property
     def whole(self) -> str:
-        """All of it as text, without the name."""
-        return f"{self.kind} {self.mesh} {self.transform} {self.materials}"
+        """All of it as text, without the name; of the geometry what is exact."""
+        return f"{self.kind} {self.mesh.exact} {self.transform} {self.materials}"
+
+    @property
+    def but_mesh(self) -> str:
+        """The same without the geometry."""
+        return f"{self.kind} {self.transform} {self.materials}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,22 +88,25 @@ class SceneDigests:
             lamps = [each for each in others if each.kind == "LIGHT" and not each.is_instance]
             others = [*lamps, *(each for each in others if each.of in own)]
         return Fingerprint(
-            mesh=digest_of(each.mesh for each in found),
+            mesh=str(joined(digest_of(each.mesh.exact for each in found), (each.mesh for each in found))),
             transform=digest_of(each.transform for each in found),
             materials=digest_of(each.materials for each in found),
             settings=digest_of((*_settings(spec), self.rendering)),
-            surroundings=self._surroundings(others, spec, layer),
+            surroundings=str(self._surroundings(others, spec, layer)),
         )
 
     def _surroundings(
         self, others: Sequence[ObjectDigests], spec: BakeSpec, layer: bpy.types.ViewLayer
-    ) -> str:
+    ) -> NearDigest:
         """Digest of the other objects, and of the light that the bake is lit by."""
         lit = None if not spec.lights else {lamp.name for lamp in find_lamps(layer, spec.lights)}
         world = self.world if lit is None or WORLD in spec.lights else ""
-        seen = [each.whole for each in others if each.kind != "LIGHT" or _is_lit(each, lit, spec.lights)]
+        seen = [each for each in others if each.kind != "LIGHT" or _is_lit(each, lit, spec.lights)]
         camera = self.camera if spec.view is View.CAMERA else ""
-        return digest_of((*sorted(seen), world, camera))
+        exact = digest_of((*sorted(each.whole for each in seen), world, camera))
+        seen.sort(key=lambda each: (each.but_mesh, each.mesh.of or each.mesh.exact))
+        beside = (*(each.but_mesh for each in seen), world, camera)
+        return joined(exact, (each.mesh for each in seen), beside)
 
 
 def read_scene(scratch: bpy.types.Scene) -> SceneDigests:
@@ -140,7 +150,7 @@ def _of_instance(
         of=maker.original.name,
         kind=item.type,
         is_instance=instance.is_instance,
-        mesh=f"{geometry.of(item)} {_active_layers(item.data)}",
+        mesh=_with_layers(geometry.of(item), _active_layers(item.data)),
         transform=np.array(instance.matrix_world, dtype=np.float32).tobytes().hex(),
         materials=digest_of(texts),
     )
@@ -176,6 +186,11 @@ def _active_layers(data: Any) -> str:
     layers, colours = data.uv_layers, data.color_attributes
     rendered = next((layer.name for layer in layers if layer.active_render), "")
     return repr((layers.active.name if layers.active else "", rendered, colours.default_color_name))
+
+
+def _with_layers(shape: NearDigest, layers: str) -> NearDigest:
+    of = f"{shape.of}-{layers}" if shape.of else ""
+    return replace(shape, exact=f"{shape.exact} {layers}", of=of)
 
 
 def _place_of(camera: bpy.types.Object | None, depsgraph: bpy.types.Depsgraph) -> str:

@@ -11,6 +11,7 @@ import numpy as np
 
 from ...core.arrays import Floats, Ints
 from ...core.errors import InputError
+from ...core.near_digest import is_same
 from ...formats.containers.exr import read_buckets
 from ...formats.sample_counts import count_text, read_counts
 from ...formats.sidecar import Sidecar
@@ -61,7 +62,7 @@ def difference(earlier: Sidecar, bake: Sidecar) -> str | None:  # noqa: PLR0911 
     if sizes[0] != sizes[1]:
         told = ["{} x {} texels of {} cells".format(*size) for size in sizes]
         return f"has {told[0]}, this bake {told[1]}"
-    if earlier.mesh != bake.mesh:
+    if not is_same(earlier.mesh, bake.mesh):
         return "is of another mesh, or of the same unwrapped otherwise"
     if earlier.source != bake.source:
         return "shows what another object does, or was looked for at another distance"

@@ -17,7 +17,8 @@ from ...core.arrays import Floats, Ints, blocks
 from ...core.errors import ShapeError
 from ...core.frame import DEGENERATE, fallback_tangent, normalised
 from ...core.surface import SurfaceMesh
-from .evaluated import ATTRIBUTE_LAYOUT, EvaluatedMesh, MeshAttribute
+from .attribute_arrays import ATTRIBUTE_LAYOUT
+from .evaluated import EvaluatedMesh, MeshAttribute
 from .tangents import calc_tangents_steps
 
 UV_LAYER = "RadTex"

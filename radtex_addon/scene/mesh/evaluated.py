@@ -23,25 +23,13 @@ from ...core.errors import BakeError, InputError
 from ...core.frame import normalised
 from ..checks.missing_files import failed_drivers
 from ..checks.refusals import refuse_adaptive_subdivision, refuse_displacement
+from ..made_of import drifts, made_of
 from ..scratch import render_scene
+from .attribute_arrays import ATTRIBUTE_LAYOUT
 from .extent import check_extent
 
 log = logging.getLogger(__name__)
 
-# How attributes are read and written in bulk: property, values per element, dtype.
-ATTRIBUTE_LAYOUT: dict[str, tuple[str, int, type[np.generic]]] = {
-    "FLOAT": ("value", 1, np.float32),
-    "INT": ("value", 1, np.int32),
-    "INT8": ("value", 1, np.int32),
-    "BOOLEAN": ("value", 1, np.bool_),
-    "FLOAT2": ("vector", 2, np.float32),
-    "FLOAT_VECTOR": ("vector", 3, np.float32),
-    "FLOAT_COLOR": ("color", 4, np.float32),
-    "BYTE_COLOR": ("color_srgb", 4, np.float32),
-    "INT32_2D": ("value", 2, np.int32),
-    "INT16_2D": ("value", 2, np.int32),
-    "QUATERNION": ("value", 4, np.float32),
-}
 _ENGINE = "RADTEX_EVALUATE"
 _TINY = {  # settings of the private engine's render, whose picture is not used
     "engine": _ENGINE,
@@ -71,7 +59,9 @@ class EvaluatedMesh:
     `position` (V, 3) and `normal` (F, 3, 3), the shading normals at the corners, float32; `triangles`
     (F, 3) vertex indices; `material_index` (F,) into `materials`; `matrix_world` (4, 4) float64 from
     object to world, never singular. `flat` is True if all faces are shaded flat; `instances` is the
-    number of instances that modifiers or the object itself make in addition to the mesh.
+    number of instances that modifiers or the object itself make in addition to the mesh. `made_of` is a
+    digest of what Blender makes the mesh of, empty where it is the object's own; if it `drifts`, vertices may
+    be rounded otherwise the next time.
     """
 
     name: str
@@ -88,6 +78,8 @@ class EvaluatedMesh:
     render_color: str | None
     texture_space: tuple[Floats, Floats]
     instances: int
+    made_of: str = ""
+    drifts: bool = False
 
     @property
     def mirrored(self) -> bool:
@@ -253,6 +245,8 @@ def _read_mesh(name: str, mesh: bpy.types.Mesh, rendered: bpy.types.Object, inst
         render_color=mesh.color_attributes.default_color_name or None,
         texture_space=(np.array(mesh.texspace_location), np.array(mesh.texspace_size)),
         instances=instances,
+        made_of=made_of(rendered),
+        drifts=drifts(rendered),
     )
 
 
