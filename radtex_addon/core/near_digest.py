@@ -18,7 +18,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-_SUMS = 8  # of each array, over as many parts of it
+_PARTS = 8  # of each array: one sum for each
+_SMALL = 1e-3  # sizes of values below it are rounded as values of that size
 _SAME = 3e-5  # differences of sums up to this are rounding: all of Bevel's UVs together make 3e-7
 _TEXT = re.compile(r"(sha256:[0-9a-f]{64}) ([0-9a-f]{64}) ([-+.,0-9e]+)")
 _STEP = (5**0.5 - 1) / 2  # weights are this step's multiples, less whole numbers: no pattern cancels out
@@ -76,7 +77,7 @@ class NearHash:
 
     def __init__(self, of: str) -> None:
         self._of = hashlib.sha256(of.encode("utf-8", "surrogateescape"))
-        self._sums = np.zeros(_SUMS)
+        self._sums = np.zeros(_PARTS + 1)
 
     def feed(self, name: str, values: npt.NDArray[Any], varies: bool = False) -> None:
         """Add values; of those that are floats and may vary, only the shape to the last bit."""
@@ -104,18 +105,17 @@ def joined(exact: str, parts: Iterable[NearDigest], beside: Iterable[str] = ()) 
 
 
 def _weighted_sums(values: npt.NDArray[Any]) -> npt.NDArray[np.float64]:
-    """Sums of values (N,), times weights, over each of the parts, in units of their mean size.
+    """Sums of values (N,), times weights, over each of the parts, in units of their mean size; and that size.
 
-    As errors of rounding have no sign in common, they are divided by the root of the parts' lengths.
+    As errors of rounding have no sign in common, sums are divided by the root of the parts' lengths.
     """
-    found = np.zeros(_SUMS)
+    found = np.zeros(_PARTS + 1)
     size = 0.0
-    for number, part in enumerate(np.array_split(values, _SUMS)):
+    for number, part in enumerate(np.array_split(values, _PARTS)):
         some = np.nan_to_num(part.astype(np.float64), posinf=0.0, neginf=0.0)
         weights = np.arange(1, len(some) + 1) * _STEP % 1.0 - 0.5
         found[number] = weights @ some
-        size += float(np.abs(some).sum())
-    if not size:
-        return found
-    found *= len(values) / size / np.sqrt(max(len(values) / _SUMS, 1.0))
+        size += float(np.abs(some).sum()) / len(values)
+    found /= (size + _SMALL) * np.sqrt(max(len(values) / _PARTS, 1.0))
+    found[_PARTS] = np.arcsinh(size)
     return found

@@ -13,6 +13,7 @@ from radtex_addon.formats.fingerprint import KEY, Fingerprint, fingerprint_in
 from radtex_addon.formats.json_reader import Facts
 
 WHOLE = Fingerprint("of mesh", "of transform", "of materials", "of settings", "of surroundings")
+SUMS = ("0.5,1", "0.5000001,1.00001")
 
 
 def facts(value: object) -> Facts:
@@ -37,6 +38,27 @@ def test_what_is_not_known_differs() -> None:
         "settings",
         "surroundings",
     )
+
+
+def test_what_differs_by_rounding_is_the_same_and_is_compared_with_what_earlier_radtexes_wrote() -> None:
+    exact = [f"sha256:{number:064x}" for number in range(2)]
+    one, near = (
+        replace(WHOLE, mesh=f"{digest} {'c' * 64} {sums}") for digest, sums in zip(exact, SUMS, strict=True)
+    )
+    told = one.to_facts()
+    assert told["mesh"] == exact[0]
+    assert told["near"] == {"mesh": f"{'c' * 64} {SUMS[0]}"}
+    assert fingerprint_in(facts(told)) == one
+    assert one.differences(near) == ()
+    assert near.folded_onto(one, everywhere=False) == near
+    earlier = fingerprint_in(facts({key: told[key] for key in told if key != "near"}))
+    assert earlier is not None
+    assert earlier.differences(one) == one.differences(earlier) == ()
+    assert earlier.differences(near) == ("mesh",)
+    moved = replace(near, mesh=near.mesh.replace(SUMS[1], "0.5,1.001"))
+    assert one.differences(moved) == ("mesh",)
+    with pytest.raises(FormatError):
+        fingerprint_in(facts({**told, "near": "none"}))
 
 
 def test_an_atlas_that_is_added_to_keeps_its_settings_and_what_is_the_same() -> None:
