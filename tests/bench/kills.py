@@ -19,8 +19,22 @@ import tempfile
 from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
-from tests.blender.killed import START, Command, Ended, Running, digests, is_done, killed, left_behind
+import bpy
+
+from tests.blender.killed import (
+    NAME,
+    START,
+    Command,
+    Ended,
+    Running,
+    Worker,
+    is_done,
+    killed,
+    left_behind,
+)
+from tests.blender.modifier_stacks import STACKS, add_stack
 from tests.blender.room import save_room
 
 ARGUMENTS = {
@@ -40,6 +54,10 @@ ARGUMENTS = {
             "256",
         ),
         *("--layer", "diffuse", "--save-preview"),
+    ),
+    "small": (
+        *("--layout", "buckets", "--texels", "32", "--bucket", "4", "--samples", "1", "--sheet", "32"),
+        *("--layer", "diffuse", "--unwrap", "uvunwrap"),  # else on UVs that Blender may round otherwise
     ),
     "layered": ("--layout", "layered", "--texels", "48", "--samples", "2", "--save-preview"),
 }
@@ -70,15 +88,15 @@ class Tally:
 class Torture:
     """Bakes below `root`, each killed until it is done."""
 
-    def __init__(self, command: Command, root: Path, seed: int) -> None:
-        self._command, self._root = command, root
+    def __init__(self, command: Command, root: Path, seed: int, *, late: bool = False) -> None:
+        self._command, self._root, self._late = command, root, late
         self._chance = random.Random(seed)
         self.tally = Tally()
         whole = command.start(root / "uninterrupted").end()
         if whole.code:
-            raise SystemExit(f"the uninterrupted bake failed: {whole.err}")
+            raise SystemExit(f"the uninterrupted bake failed: {whole.err}{whole.error}")
         self.life, self.stages = whole.seconds, whole.stages
-        self.expected = digests(root / "uninterrupted")
+        self.expected = command.found(root / "uninterrupted")
 
     def kill(self, kills: int) -> Tally:
         """Until so many kills were survived, and the last bake is done."""
@@ -110,7 +128,8 @@ class Torture:
         if number is signal.SIGKILL and tally.survived % 5 == 4:
             ended = self._aimed(running)
         else:
-            ended = running.end_after(self._chance.uniform(0, self.life), number)
+            begin = self.stages["evaluate"] if self._late and running.wait_for("evaluate") else 0.0
+            ended = running.end_after(self._chance.uniform(0, self.life - begin), number)
         if ended.code:
             tally.hits[ended.stage, name] += 1
             tally.survived += killed(ended.code)
@@ -141,13 +160,24 @@ class Torture:
         """Hold what is done against the uninterrupted bake."""
         if ended.code:  # killed when all was done: going on finds nothing to do, and tidies up
             late = self._command.start(self._out, "--resume").end()
-            if late.code != 2 or "nothing of object" not in late.err:
+            if late.code != 2 or "nothing of object" not in late.err + late.error:
                 self.tally.problems.append(f"after its end: exit code {late.code}, {late.err!r}")
-        found = digests(self._out)
+        found = self._command.found(self._out)
         if found != self.expected:
             differing = [name for name in found if found[name] != self.expected.get(name)]
             self.tally.problems.append(f"{self._out} differs: {differing or sorted(found)}")
         self.tally.bakes += 1
+
+
+def _add_modifiers(room: Path, stack: str) -> None:
+    """Give the open room's ball modifiers, and neighbours that have some, and save it."""
+    context: Any = bpy.context
+    ball = context.scene.objects[NAME]
+    context.view_layer.objects.active = ball
+    STACKS[stack](ball)
+    for number, name in enumerate(("float boolean and bevel", "bevel and realized", "bevel and array")):
+        add_stack(name, (3 - 3 * number, 4, 0))
+    bpy.ops.wm.save_as_mainfile(filepath=str(room), copy=True)
 
 
 def main() -> None:
@@ -156,13 +186,21 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=keep_lines)
     parser.add_argument("--kills", type=int, default=50)
     parser.add_argument("--layout", choices=list(ARGUMENTS), default="buckets")
+    parser.add_argument("--stack", choices=sorted(STACKS), help="modifiers of the ball; neighbours have some")
+    parser.add_argument("--late", action="store_true", help="not while Blender starts")
+    parser.add_argument("--worker", action="store_true", help="by a worker, as Blender's window bakes")
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
     signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job is deaf to it
     with tempfile.TemporaryDirectory() as folder:
         root = Path(folder)
-        command = Command(save_room(root / "room.blend", 4), root / "temporary", ARGUMENTS[options.layout])
-        torture = Torture(command, root, options.seed)
+        room = save_room(root / "room.blend", 4 if options.stack is None else 2)
+        if options.stack is not None:
+            _add_modifiers(room, options.stack)
+        kind = Worker if options.worker else Command
+        rounded = options.stack is not None
+        command = kind(room, root / "temporary", ARGUMENTS[options.layout], rounded=rounded)
+        torture = Torture(command, root, options.seed, late=options.late)
         at = ", ".join(f"{stage} {begun:.1f}" for stage, begun in torture.stages.items())
         print(f"uninterrupted: {torture.life:.1f} s (stages begin at: {at})", flush=True)
         tally = torture.kill(options.kills)
