@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -17,12 +18,13 @@ from ..bake.key import is_unfinished
 from ..bake.spec import BakeSpec
 from ..bake.texel_density import told_density
 from ..bake.thumbnail import Thumbnail
-from ..core.errors import InputError, RadTexError
+from ..core.errors import Cancelled, InputError, RadTexError
 from ..core.messages import Message, Setting, do
 from ..core.uv_map import UvMap
 from ..formats.disk.atomic import check_writable
 from ..formats.disk.memory import readable_size
 from ..formats.disk.path_checks import check_unicode
+from ..formats.disk.temporary import remove_open
 from ..job import BakeResult, OutputFiles
 from ..job.bake_plan import check_plan, plan_bakes, steps_of_bakes
 from ..job.variants import title_of
@@ -35,7 +37,8 @@ from .interruption import INTERRUPTED, Interruption
 from .opening import open_asked
 from .reporting import Report
 from .serving import address, serving
-from .wording import told
+from .terminal import tell
+from .wording import told, worded
 
 _NAME = 255  # most bytes in a file name
 
@@ -78,7 +81,8 @@ def _bake(
     thumbnail = partial(_thumbnail, request, report)
     for number, (name, spec, steps) in enumerate(steps_of_bakes(scene, plan, thumbnail)):
         title = _numbered_title(name, spec, number, len(plan.wanted)) + after
-        with _saying_how_to_resume(name, spec, request):
+        leave = partial(_leave, name, spec, request, report)
+        with _saying_how_to_resume(name, spec, request), interruption.leaving(leave):
             result = interruption.between(steps, partial(report.progress, title))
         others = [*_pictures(request, result), *result.exported]
         facts = facts_of(spec, result, others)
@@ -133,6 +137,19 @@ def _saying_how_to_resume(name: str, spec: BakeSpec, request: Request) -> Iterat
         raise
     except (Exception, KeyboardInterrupt) as raised:
         raise _with_the_way_on(as_ours(raised), name, spec, request) from raised
+
+
+def _leave(name: str, spec: BakeSpec, request: Request, report: Report) -> None:
+    """End the process in the midst of a render, as a signal asks for: what is finished is kept."""
+    failure = _with_the_way_on(Cancelled(INTERRUPTED), name, spec, request)
+    try:
+        remove_open()
+        shutil.rmtree(bpy.app.tempdir, ignore_errors=True)
+        report.event("error", **told(failure.message), exit_code=failure.exit_code)
+        report.close()
+        tell(f"radtex: {worded(failure.message)}")
+    finally:
+        os._exit(failure.exit_code)
 
 
 def _with_the_way_on(failure: RadTexError, name: str, spec: BakeSpec, request: Request) -> RadTexError:

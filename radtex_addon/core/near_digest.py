@@ -110,6 +110,8 @@ def _weighted_sums(values: npt.NDArray[Any]) -> npt.NDArray[np.float64]:
     As errors of rounding have no sign in common, sums are divided by the root of the parts' lengths.
     """
     found = np.zeros(_PARTS + 1)
+    if not len(values):
+        return found
     size = 0.0
     for number, part in enumerate(np.array_split(values, _PARTS)):
         some = np.nan_to_num(part.astype(np.float64), posinf=0.0, neginf=0.0)

@@ -12,6 +12,7 @@ from typing import Any, cast
 import bpy
 import numpy as np
 
+from ..core.abandonable import abandonable
 from ..core.arrays import Floats
 from ..core.errors import BakeError, FormatError
 from ..core.messages import Setting, do
@@ -112,7 +113,8 @@ def render_layers(scene: bpy.types.Scene, file: Path) -> Passes:
     """
     file.unlink(missing_ok=True)
     try:
-        render_scene(scene, write=True)
+        with abandonable():
+            render_scene(scene, write=True)
     except RuntimeError as error:
         reason = " ".join(str(error).removeprefix("Error:").split())
         raise BakeError(f"Cycles cannot render: {reason}") from error

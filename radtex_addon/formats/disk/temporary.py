@@ -17,6 +17,7 @@ from .path_checks import check_rendered_into, one_root
 
 PREFIX = "radtex-temporary-"
 _LOCK = "lock"  # a file in the folder, locked by the process that owns the folder
+_open: set[Path] = set()  # this process's
 
 
 @contextmanager
@@ -38,10 +39,18 @@ def temporary_folder() -> Iterator[Path]:
             f"{root} takes no temporary files: {error.strerror or error}; free its disk, or name another "
             "folder by TMPDIR"
         ) from error
+    _open.add(folder)
     try:
         yield folder
     finally:
+        _open.discard(folder)
         lock.release()
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def remove_open() -> None:
+    """Remove this process's folders, as before an end in whose course they would stay."""
+    for folder in list(_open):
         shutil.rmtree(folder, ignore_errors=True)
 
 
