@@ -12,14 +12,14 @@ from .checkpoint import Checkpoint
 from .key import is_unfinished, read_key
 
 
-def announce(folder: Path, replaces: Iterable[Path]) -> None:
+def announce(folder: Path, replaces: Iterable[Path], blend: str = "") -> None:
     """Mark a bake as unfinished before it starts, so that resuming a killed run of several bakes includes it.
 
-    Makes a checkpoint without pieces in `folder`; `replaces` are as for `Checkpoint`. Raises InputError where
-    a process works on it, BakeError where the system refuses.
+    Makes a checkpoint without pieces in `folder`; `replaces` and `blend` are as for `Checkpoint`. Raises
+    InputError where a process works on it, BakeError where the system refuses.
     """
     publish_earlier(folder)
-    with Checkpoint(folder, False, replaces) as coming:
+    with Checkpoint(folder, False, replaces, blend=blend) as coming:
         coming.begin()
 
 

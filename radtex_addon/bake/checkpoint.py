@@ -57,13 +57,15 @@ class Checkpoint(PieceStore):
         resume: bool,
         replaces: Iterable[Path] = (),
         check: Callable[[], None] = lambda: None,
+        blend: str = "",
     ) -> None:
         """If `resume`, go on with the pieces in `folder`; else start over, deleting them at the first piece.
 
         Before they are deleted, but with the lock already held, `check` runs: it may raise InputError for
         files that have appeared meanwhile.
 
-        `replaces` are the output files that the bake may overwrite. Raises InputError for a key that cannot
+        `replaces` are the output files that the bake may overwrite, `blend` is the name of the .blend that is
+        baked. Raises InputError for a key that cannot
         be read.
         """
         self._folder = folder
@@ -76,6 +78,7 @@ class Checkpoint(PieceStore):
         self._workers: list[int] = []
         self._lock: Lock | None = None
         self._check = check
+        self._blend = blend
 
     def __enter__(self) -> Checkpoint:
         return self
@@ -248,8 +251,11 @@ class Checkpoint(PieceStore):
         self._write_key()
 
     def _write_key(self) -> None:
-        facts = self._facts if self._known is None else self._known.facts
-        write_key(self._folder, Key(facts, self._replaces, [*self._workers, os.getpid()], self._made))
+        facts: Facts = self._facts
+        blend = self._blend
+        if self._known is not None:
+            facts, blend = self._known.facts, self._known.blend or blend
+        write_key(self._folder, Key(facts, self._replaces, [*self._workers, os.getpid()], self._made, blend))
 
     def _gone(self) -> BakeError:
         return BakeError(f"{self._folder} has gone while the bake ran: bring its disk back, or bake again")

@@ -33,12 +33,14 @@ class Key:
     """The `facts` of a bake, the names of the files that it `replaces`, the `processes` that worked on it.
 
     `made` is the bake's result once all its files are written; some may not have their final names yet.
+    `blend` is the name of the .blend that is baked, empty if it is not known.
     """
 
     facts: Facts
     replaces: list[str]
     processes: list[int]
     made: dict[str, Any] | None = None
+    blend: str = ""
 
     def differences(self, facts: Facts) -> str:
         """The facts that differ from `facts`, in words for a message; empty if none does.
@@ -111,6 +113,13 @@ def read_key(folder: Path) -> Key:
     return key
 
 
+def known_key(folder: Path) -> Key | None:
+    """The key of the unfinished bake in `folder`, whatever the format of its pieces; None without one."""
+    with suppress(InputError):
+        return _read_any(folder)[0] if is_unfinished(folder) else None
+    return None
+
+
 def _read_any(folder: Path) -> tuple[Key, object]:
     """The folder's key, and of which format its pieces are said to be. Raises InputError."""
     path, anew = folder / KEY, _anew()
@@ -122,7 +131,8 @@ def _read_any(folder: Path) -> tuple[Key, object]:
         raise InputError(f"{path} is damaged", anew) from error
     if not isinstance(key, dict) or key.pop("version", None) != VERSION or not _is_key(key):
         raise InputError(f"{path} is damaged, or of another RadTex", anew)
-    return Key(key["facts"], key["replaces"], key["processes"], key.get("made")), key.get("pieces")
+    known = Key(key["facts"], key["replaces"], key["processes"], key.get("made"), key.get("blend", ""))
+    return known, key.get("pieces")
 
 
 def _anew() -> Remedy:
@@ -139,6 +149,7 @@ def _is_key(key: dict[str, Any]) -> bool:
         and isinstance(processes, list)
         and all(isinstance(value, int) for value in processes)
         and isinstance(key.get("made"), dict | None)
+        and isinstance(key.get("blend", ""), str)
     )
 
 

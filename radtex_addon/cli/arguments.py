@@ -14,10 +14,12 @@ from ..core.errors import InputError
 from ..core.messages import Setting, do
 from ..export.target_checks import check_target
 from ..job import OpenLayout
+from ..job.bake_folders import own_folder
 from ..job.bake_request import BakeRequest
 from ..scene.demo import OBJECT
 from ..textures.export_spec import Target
 from .bake_arguments import add_course, add_files, add_how, add_quality, add_what
+from .default_folders import blend_of, former_folders
 from .light_options import lit, parse_lights
 from .options import (
     ASSEMBLE,
@@ -121,16 +123,19 @@ def read_request(found: argparse.Namespace, inside_blender: bool) -> Request:
     _check_changed(found, demo, passes)
     for target in found.exports or ():
         check_target("the bake", spec.kind, target)
+    blend = blend_of(found, demo)
     return Request(
         scene=None if demo or found.scene is None else Path(found.scene),
         demo=demo,
         bakes=BakeRequest(
             objects=objects or ((OBJECT,) if demo else ()),
             spec=spec,
-            folder=Path(found.out),
+            folder=own_folder(blend) if found.out is None else Path(found.out),
+            former=former_folders(blend) if found.out is None else (),
             shared=found.together,
             preview=found.filter if found.save_preview or demo else None,
-            overwrite=found.overwrite or demo,
+            overwrite=found.overwrite or found.overwrite_any or demo,
+            overwrite_any=found.overwrite_any or demo,
             resume=found.resume,
             exports=tuple(dict.fromkeys(found.exports or ())),
             frames=found.frames,
@@ -138,6 +143,7 @@ def read_request(found: argparse.Namespace, inside_blender: bool) -> Request:
             open_layout=open_layout,
             only_changed=found.only_changed,
             surroundings=found.surroundings,
+            passes=passes,
         ),
         progress=found.progress,
         verbose=found.verbose,

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..textures.export_spec import Target
+from .bake_arguments import add_overwrite
 from .options import (
     ASSEMBLE,
     Parser,
@@ -44,6 +45,7 @@ class AssembleRequest:
     progress: ProgressStyle
     verbose: bool
     parent_pipe: bool = False
+    overwrite_any: bool = False
 
 
 def parse_assemble(arguments: list[str], inside_blender: bool) -> AssembleRequest:
@@ -52,7 +54,8 @@ def parse_assemble(arguments: list[str], inside_blender: bool) -> AssembleReques
     return AssembleRequest(
         farm=Path(found.farm),
         out=None if found.out is None else Path(found.out),
-        overwrite=found.overwrite,
+        overwrite=found.overwrite or found.overwrite_any,
+        overwrite_any=found.overwrite_any,
         exports=tuple(dict.fromkeys(found.exports or ())),
         progress=found.progress,
         verbose=found.verbose,
@@ -69,7 +72,7 @@ def build_parser(inside_blender: bool) -> Parser:
     output.add_argument(
         "--out", metavar="DIR", help="folder for the files, made if need be (default: where the farm's lies)"
     )
-    output.add_argument("--overwrite", action="store_true", help="replace files that are already there")
+    add_overwrite(output)
     add_choice(
         output,
         "--export",

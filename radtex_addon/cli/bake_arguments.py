@@ -290,10 +290,10 @@ def add_files(group: argparse._ArgumentGroup) -> None:
     group.add_argument(
         "--out",
         metavar="DIR",
-        default="radtex",
-        help="folder for the files, made if need be (default: %(default)s)",
+        help="folder for the files, made if need be (default: radtex/NAME beside NAME.blend; without a file, "
+        "radtex)",
     )
-    group.add_argument("--overwrite", action="store_true", help="replace files that are already there")
+    add_overwrite(group)
     group.add_argument(
         "--save-preview",
         action="store_true",
@@ -317,6 +317,22 @@ def add_files(group: argparse._ArgumentGroup) -> None:
         "how the atlas is packed; dwaa is small and loses a little",
     )
     add_progress(group)
+
+
+def add_overwrite(group: argparse._ArgumentGroup) -> None:
+    """Add the options for what a bake may replace."""
+    group.add_argument(
+        "--overwrite",
+        action="store_true",
+        help="replace an earlier bake of the same thing, unless it is better: with more texels, cells or "
+        "samples, other layers, or layered where the new one is not",
+    )
+    group.add_argument(
+        "--overwrite-any",
+        action="store_true",
+        help="as --overwrite, and replace better bakes, and those of other .blend files, too; a bake of "
+        "another object, part or frame never is",
+    )
 
 
 def add_course(group: argparse._ArgumentGroup) -> None:

@@ -9,8 +9,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..core.errors import InputError
+from ..job.bake_folders import own_folder
 from ..report.side_by_side import ComparisonSpec
 from ..report.viewpoint import Eye
+from .default_folders import blend_of, default_bakes
 from .options import (
     COMPARE,
     DEMO,
@@ -72,14 +74,15 @@ def parse_compare(arguments: list[str], inside_blender: bool) -> CompareRequest:
     found = build_parser(inside_blender).parse_args(arguments)
     demo = found.scene == DEMO
     check_named(found, inside_blender, "looked at")
+    blend, objects = blend_of(found, demo), tuple(dict.fromkeys(found.object or ()))
     return CompareRequest(
         scene=None if demo or found.scene is None else Path(found.scene),
         demo=demo,
-        objects=tuple(dict.fromkeys(found.object or ())),
-        bake=Path(found.bake),
+        objects=objects,
+        bake=default_bakes(blend, objects) if found.bake is None else Path(found.bake),
         eye=_eye(found.view, found.window),
         spec=ComparisonSpec(found.pixels, found.samples, found.device, found.memory_mb),
-        out=Path(found.out),
+        out=own_folder(blend) if found.out is None else Path(found.out),
         progress=found.progress,
         verbose=found.verbose,
         in_scene=found.in_scene,
@@ -138,9 +141,8 @@ def _add_what(group: argparse._ArgumentGroup, inside_blender: bool) -> None:
     group.add_argument(
         "--bake",
         metavar="DIR",
-        default="radtex",
         help="the folder of the bakes, or a sidecar's .json; not needed for objects whose preview is shown "
-        "in the file (default: %(default)s)",
+        "in the file (default: radtex/NAME beside NAME.blend, or radtex, whichever has them)",
     )
 
 
@@ -167,8 +169,7 @@ def _add_output(group: argparse._ArgumentGroup) -> None:
     group.add_argument(
         "--out",
         metavar="DIR",
-        default="radtex",
         help="folder for NAME.traced.exr, NAME.baked.exr and NAME.difference.png, which are replaced "
-        "(default: %(default)s)",
+        "(default: radtex/NAME beside NAME.blend; without a file, radtex)",
     )
     add_progress(group)

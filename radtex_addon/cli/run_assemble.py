@@ -33,7 +33,9 @@ def run_assemble(request: AssembleRequest, report: Report, interruption: Interru
         folder = request.farm.absolute().parent if request.out is None else request.out
         outputs = OutputFiles.of(manifest.name, manifest.spec, folder, preview=True)
         check_exports(manifest.spec, outputs, request.exports, request.overwrite, resume=False)
-    steps = assemble_steps(request.farm, request.out, overwrite=request.overwrite)
+    steps = assemble_steps(
+        request.farm, request.out, overwrite=request.overwrite, overwrite_any=request.overwrite_any
+    )
     made = interruption.between(steps, partial(report.progress, manifest.name))
     sidecar = made.result.files.sidecar
     others = export_baked(sidecar, request.exports, request.overwrite, interruption)

@@ -32,7 +32,8 @@ def run_prepare(request: Request, report: Report, interruption: Interruption) ->
             f"a farm makes one atlas, and these are {len(asked)}: prepare them one by one (--lights, --part)"
         )
     ((name, spec),) = asked
-    out, preview, overwrite = request.bakes.folder, request.bakes.preview, request.bakes.overwrite
+    out, preview = request.bakes.folder, request.bakes.preview
+    overwrite = request.bakes.may_replace(request.bakes.overwrite)
     steps = prepare_steps(scene, name, spec, out, preview=preview, overwrite=overwrite)
     farm = interruption.between(steps, partial(report.progress, name))
     if request.bakes.open_layout is not None:

@@ -92,6 +92,8 @@ def _bake(facts: Facts, request: WorkRequest) -> Request:
             shared=name if spec.objects else None,
             preview=None if _absent(facts, "preview") else Filter(facts.choice("preview", tuple(Filter))),
             overwrite=facts.truth("overwrite"),
+            overwrite_any=facts.truth("overwrite_any"),
+            blend=Path(facts.text("of_blend")),
             resume=facts.truth("resume"),
             exports=tuple(map(Target, facts.choices("exports", tuple(Target)))),
         ),

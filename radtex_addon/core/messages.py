@@ -44,6 +44,7 @@ class Setting(StrEnum):
     OBJECT = "object"
     OUT = "folder"
     OVERWRITE = "overwriting"
+    OVERWRITE_ANY = "overwriting better bakes and those of other files"
     PART = "part"
     PIXELS = "pixels"
     REFRESH = "refreshing"

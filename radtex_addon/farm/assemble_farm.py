@@ -28,6 +28,7 @@ from ..job.baking import BakeResult, errors_with_final_paths, publish
 from ..job.existing_bakes import images_of
 from ..job.output_files import OutputFiles
 from ..job.previews import save_preview_of
+from ..job.replaced_bake import Overwrite
 from ..job.unfinished import check_files as check_outputs
 from ..job.unfinished import open_checkpoint
 from ..prepare.prepared import Piece
@@ -50,14 +51,15 @@ class Assembled:
 
 
 def assemble_steps(
-    folder: Path, out: Path | None = None, *, overwrite: bool = False
+    folder: Path, out: Path | None = None, *, overwrite: bool = False, overwrite_any: bool = False
 ) -> Generator[AnyStep, None, Assembled]:
     """Check the frames of the farm in `folder`, and write what a local bake would.
 
     The files go into `out`, by default beside the farm's folder. Nothing is evaluated or rendered. If a
-    preview was asked for, **another .blend is open afterwards**. Yields progress. Raises FormatError for a
-    folder without a complete farm, InputError for files that would be overwritten, BakeError, with their
-    names, for missing or unusable frames; then nothing is written.
+    preview was asked for, **another .blend is open afterwards**. `overwrite` replaces no better bake and none
+    of another .blend without `overwrite_any`. Yields progress. Raises FormatError for a folder without a
+    complete farm, InputError for files that would be overwritten, BakeError, with their names, for missing
+    or unusable frames; then nothing is written.
     """
     files = FarmFiles(folder)
     manifest = read_manifest(files)
@@ -67,12 +69,12 @@ def assemble_steps(
     outputs = OutputFiles.of(manifest.name, spec, out, copies is not None)
     check_writable(out)
     begun = _was_begun(outputs, manifest)  # nothing was rendered: to begin anew is as good as to go on
-    check_outputs(manifest.name, spec, outputs, overwrite or begun, resume=False)
+    replaces = Overwrite(overwrite or begun, overwrite_any or begun, Path(manifest.facts.blend))
+    check_outputs(manifest.name, spec, outputs, replaces, resume=False)
     plan, hidden = read_plan(files, manifest)
     yield from check_frames(files, manifest)
     watch = Stopwatch()
     capture = FarmCapture(files, manifest, plan)
-    replaces = overwrite or begun
     publish_earlier(outputs.unfinished)
     earlier = images_of(outputs.sidecar)
     with (

@@ -31,6 +31,7 @@ from ..forms.outcome import Outcome
 from ..job.baking import Baked, bake_unchecked
 from ..job.checks import check_request
 from ..job.output_files import OutputFiles
+from ..job.replaced_bake import Overwrite
 from ..job.split_parts import check_part
 from ..scene.at_frame import at_frame
 from ..scene.scratch import new_data_removed
@@ -91,7 +92,7 @@ def prepare_steps(
     *,
     view_layer: str | None = None,
     preview: Filter | None = None,
-    overwrite: bool = False,
+    overwrite: bool | Overwrite = False,
 ) -> Generator[AnyStep, None, Farm]:
     """Write `<name>.<kind>.radtex-farm` into `folder`, of what `bake_steps` would bake.
 
@@ -107,7 +108,7 @@ def prepare_steps(
     check_images_saved()
     check_holdable(scene)
     farm = FarmFiles.of(files.sidecar)
-    with _replacing_folder(farm, overwrite) as place:
+    with _replacing_folder(farm, bool(overwrite)) as place:
         inside = FarmFiles(place)
         inside.frames.mkdir()
         draft = _Draft(place / "draft.blend", inside.plan)

@@ -89,7 +89,8 @@ class Sidecar:
     many `islands`, which cover a share of the atlas, the `coverage`; both are None if unknown. The
     `texel_density` is given if the atlas's size follows from a density. `wasteful` says why the map wastes
     its atlas, to go on after "the map …", and is empty if it does not. The `fingerprint` tells what was
-    baked, None if unknown. `alone`: it was baked without the scene's other objects.
+    baked, None if unknown. `alone`: it was baked without the scene's other objects. `blend` is the name of
+    the .blend that was baked, without its folder, empty if it was never saved.
     """
 
     object_name: str
@@ -121,6 +122,7 @@ class Sidecar:
     wasteful: str = ""
     fingerprint: Fingerprint | None = None
     alone: bool = False
+    blend: str = ""
 
     @property
     def surfaces(self) -> tuple[str, ...]:
@@ -173,6 +175,7 @@ class Sidecar:
             "coverage": self.coverage,
             "texel_density": density and {"asked": density.asked, "reached": density.reached},
             "wasteful": self.wasteful or None,
+            "blend": self.blend or None,
             "content": content and {"collection": content.collection, "objects": list(content.objects)},
             KEY: self.fingerprint and self.fingerprint.to_facts(),
         }
@@ -228,6 +231,7 @@ class Sidecar:
             wasteful=facts.text("wasteful") if "wasteful" in facts.values else "",
             fingerprint=fingerprint_in(facts),
             alone=facts.values.get("alone") is True,
+            blend=blend_in(facts),
         )
 
 
@@ -246,6 +250,11 @@ def part_in(facts: Facts) -> Part | None:
         return None
     found = facts.inner("part")
     return Part(found.text("by"), found.text("name"), found.whole_number("index", 0))
+
+
+def blend_in(facts: Facts) -> str:
+    """The name of the .blend in a sidecar's `facts`, empty if it is not known. Raises FormatError."""
+    return facts.text("blend") if "blend" in facts.values else ""
 
 
 def density_in(facts: Facts) -> TexelDensity | None:

@@ -26,6 +26,7 @@ from .checks import check_request
 from .layout_choice import Choice, choose_layouts
 from .output_collisions import check_output_collisions
 from .preflight import Preflight, run_preflight
+from .replaced_bake import Overwrite
 from .split_parts import may_lack_parts
 from .variants import (
     Bake,
@@ -41,7 +42,7 @@ from .variants import (
 class Course(NamedTuple):
     """Whether a bake may replace files, and whether it goes on with what is there."""
 
-    overwrite: bool
+    overwrite: Overwrite
     resume: bool
 
 
@@ -86,9 +87,9 @@ class BakePlan:
     def course_of(self, bake: Bake) -> Course:
         """Whether a wanted bake may replace files, and whether it goes on with what is there."""
         if bake not in self.found:
-            return Course(self.request.overwrite, self.request.resume)
+            return Course(self.request.may_replace(self.request.overwrite), self.request.resume)
         again = self.found[bake].asks_for_bake
-        return Course(overwrite=again, resume=not again)
+        return Course(overwrite=self.request.may_replace(again), resume=not again)
 
 
 def _becomes(found: Changes, wanted: bool) -> str:
@@ -105,6 +106,7 @@ def plan_bakes(scene: bpy.types.Scene, request: BakeRequest, *, guess: bool = Fa
     With `guess` no object is evaluated and no file deleted: parts may be missing (`BakeRequest.asked`).
     Raises InputError for what cannot be baked.
     """
+    request = request.where_begun(scene, guess=guess)
     choices = choose_layouts(
         scene,
         request.asked(scene, guess=guess),
@@ -214,7 +216,14 @@ def steps_of_bakes(
     """
     request = plan.request
     replaces = request.overwrite or request.only_changed
-    announce_all(plan.replaced, request.folder, request.saves_preview, request.exports, replaces)
+    announce_all(
+        plan.replaced,
+        request.folder,
+        request.saves_preview,
+        request.exports,
+        replaces,
+        request.may_replace(replaces).blend.name,
+    )
     unwraps: Unwraps | None = {} if len(plan.wanted) > 1 else None  # it is as large as the mesh
     for name, spec in plan.wanted:
         course = plan.course_of((name, spec))

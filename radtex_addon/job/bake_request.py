@@ -17,7 +17,10 @@ from ..scene.lights.lamps import ALL, EACH, each_light
 from ..scene.scratch import find_view_layer
 from ..textures.export_spec import Target
 from .about_texels import with_about_texels
+from .bake_folders import open_blend
+from .existing_bakes import has_begun, is_baked
 from .layout_choice import OpenLayout
+from .replaced_bake import Overwrite
 from .split_parts import guessed_parts, part_specs
 from .variants import Bake
 
@@ -31,7 +34,10 @@ class BakeRequest:
     layout buckets until a layout is chosen for each object. `preview` is the filter of the previews to save,
     `exports` are made of every bake. `overwrite` and `resume` are as in `bake_steps`. With `only_changed`,
     bakes that are not there, unfinished or changed (`changes`) are made, and replace what is there;
-    `surroundings` says whether neighbours and lamps count as changes.
+    `surroundings` says whether neighbours and lamps count as changes. `overwrite_any` also replaces better
+    bakes and those of other files. `blend` is the file that the scene is of, None for the open one. `passes`
+    are made in all, each with as many samples. `former` are folders where earlier versions may have left an
+    unfinished bake: resuming goes on there.
     """
 
     objects: tuple[str, ...]
@@ -47,11 +53,20 @@ class BakeRequest:
     open_layout: OpenLayout | None = None
     only_changed: bool = False
     surroundings: bool = True
+    overwrite_any: bool = False
+    blend: Path | None = None
+    passes: int = 1
+    former: tuple[Path, ...] = ()
 
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the atlases: one for each object, or one that all share."""
         return self.objects if self.shared is None else (self.shared,)
+
+    def may_replace(self, earlier: bool) -> Overwrite:
+        """Whether a bake may replace an `earlier` one of the same thing, and what else the request allows."""
+        blend = open_blend() if self.blend is None else self.blend
+        return Overwrite(earlier, earlier and self.overwrite_any, blend, self.passes)
 
     @property
     def saves_preview(self) -> bool:
@@ -87,6 +102,19 @@ class BakeRequest:
             for name in self.names
             for part in split(scene, name, spec)
         )
+
+    def where_begun(self, scene: bpy.types.Scene, *, guess: bool = False) -> BakeRequest:
+        """The same, into the `former` folder that has an unfinished bake of it, if resuming needs that.
+
+        The request's own folder goes first, if it has any of the bakes.
+        """
+        if not (self.resume and self.former):
+            return self
+        bakes = self.asked(scene, guess=guess)
+        if any(has_begun(*bake, self.folder) or is_baked(*bake, self.folder) for bake in bakes):
+            return self
+        begun = (place for place in self.former if any(has_begun(*bake, place) for bake in bakes))
+        return replace(self, folder=next(begun, self.folder))
 
     def is_of_several(self, scene: bpy.types.Scene) -> bool:
         """Whether these are, or may be, several atlases: resuming then bakes those that are not finished."""

@@ -51,11 +51,13 @@ from ..scene.scratch import find_view_layer, new_data_removed, scratch_scene
 from ..textures.export_progress import Step
 from ..textures.export_spec import ExportSpec, Target
 from .bake_fingerprint import fingerprint_of_bake
+from .bake_folders import open_blend
 from .bake_output import BakeOutput
 from .checks import check_request, check_seen
 from .existing_bakes import images_of, is_there, misses_preview, missing_exports
 from .output_files import OutputFiles
 from .previews import save_preview_of
+from .replaced_bake import Overwrite
 from .split_parts import check_part
 from .unfinished import open_checkpoint
 
@@ -125,7 +127,7 @@ def bake_object(
     *,
     view_layer: str | None = None,
     preview: Filter | None = None,
-    overwrite: bool = False,
+    overwrite: bool | Overwrite = False,
     resume: bool = False,
     thumbnail: Thumbnail | None = None,
     unwraps: Unwraps | None = None,
@@ -157,7 +159,7 @@ def bake_steps(
     *,
     view_layer: str | None = None,
     preview: Filter | None = None,
-    overwrite: bool = False,
+    overwrite: bool | Overwrite = False,
     resume: bool = False,
     thumbnail: Thumbnail | None = None,
     unwraps: Unwraps | None = None,
@@ -175,18 +177,21 @@ def bake_steps(
     Yields progress; returns the result. The scene is unchanged afterwards, also after an error or when the
     generator is closed. Finished pieces are in `<name>.<kind>.radtex-unfinished` until all is done, exports
     included. With `resume` the bake continues from there; if it is finished, only a missing preview and
-    exports are made. Without `resume` an unfinished bake is replaced only with `overwrite`. The `thumbnail`
-    gets the captured light. `unwraps` are those of earlier bakes, such as other frames'; this bake's is
-    added. Raises InputError for what cannot be baked or resumed, BakeError for what fails during the bake.
+    exports are made. Without `resume` an unfinished bake is replaced only with `overwrite`, which replaces no
+    better bake, none of another .blend unless `Overwrite.any` is set, and none of another object ever. The
+    `thumbnail` gets the captured light. `unwraps` are those of earlier bakes, such as other frames'; this
+    bake's is added. Raises InputError for what cannot be baked or resumed, BakeError for what fails during
+    the bake.
     """
     check_part(name, spec)
+    overwrite = Overwrite.of(overwrite)
     files = OutputFiles.of(name, spec, folder, preview is not None)
     warnings = check_request(
         scene, name, spec, folder, preview is not None, overwrite, view_layer, resume, exports
     )
     for warning in warnings:
         log.warning(warning)
-    was_finished = is_there(files, overwrite, resume)
+    was_finished = is_there(files, bool(overwrite), resume)
     targets = missing_exports(files, exports) if was_finished else tuple(exports)
     shown = None if was_finished and not misses_preview(files) else preview
     if not resume:
@@ -204,7 +209,17 @@ def bake_steps(
                 baker = None if known is None else _finished_baker(known)
                 with at_frame(scene, spec.frame), new_data_removed():
                     baked = yield from bake_unchecked(
-                        scene, name, spec, files, view_layer, watch, checkpoint, thumbnail, unwraps, baker
+                        scene,
+                        name,
+                        spec,
+                        files,
+                        view_layer,
+                        watch,
+                        checkpoint,
+                        thumbnail,
+                        unwraps,
+                        baker,
+                        blend=overwrite.blend,
                     )
                     made, triangles = baked.made, len(baked.prepared.surface.triangles)
                     if known is None:
@@ -214,7 +229,8 @@ def bake_steps(
                         save_preview_of(scene, spec, made.files, baked.prepared, shown, view_layer)
             watch.stop()
             assert made is not None  # it was known before, or was just baked
-            exported = yield from _export(files, targets, overwrite or resume)  # check_request has checked it
+            replaces = bool(overwrite) or resume  # check_request has checked it
+            exported = yield from _export(files, targets, replaces)
         except InputError:  # the next try needs other settings, and could not resume this one
             checkpoint.drop_own()
             raise
@@ -305,12 +321,13 @@ def bake_unchecked(
     unwraps: Unwraps | None = None,
     baker: Baker | None = None,
     warns: bool = True,
+    blend: Path | None = None,
 ) -> Generator[Progress, None, Baked]:
     """Bake as `bake_steps` does, but without checks, preview and exports; the caller removes the baked mesh.
 
     Where a bake of another object is shown in its place, the object is rendered, not its stored light. A
     `baker` replaces that of the specification's form, to make something else of the prepared objects. It
-    `warns` of a UV map that wastes its atlas.
+    `warns` of a UV map that wastes its atlas. `blend` is the scene's file, None for the open one.
     """
     kept: list[bpy.types.ID] = []
     with (
@@ -331,7 +348,11 @@ def bake_unchecked(
         prepared = yield from watch.over(
             prepare(scratch, originals, spec, kept, store, unwraps, name, spec.form.backs)
         )
-        prepared = replace(prepared, fingerprint=fingerprint_of_bake(scratch, name, spec, files))
+        prepared = replace(
+            prepared,
+            fingerprint=fingerprint_of_bake(scratch, name, spec, files),
+            blend=(open_blend() if blend is None else blend).name,
+        )
         if spec.density is not None:
             spec = prepared.sized(spec)
             check_memory(spec)

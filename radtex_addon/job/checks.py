@@ -39,6 +39,7 @@ from ..scene.uv.unwrap import check_unwrapper
 from ..textures.export_spec import Target
 from .existing_bakes import check_exports
 from .output_files import OutputFiles
+from .replaced_bake import Overwrite, check_same_subject
 from .unfinished import check_files, check_folder
 
 
@@ -48,7 +49,7 @@ def check_request(
     spec: BakeSpec,
     folder: Path,
     preview: bool,
-    overwrite: bool,
+    overwrite: bool | Overwrite,
     view_layer: str | None = None,
     resume: bool = False,
     exports: Iterable[Target] = (),
@@ -81,7 +82,8 @@ def check_request(
             f"{files.preview} is the open file, which a bake never changes: choose another folder"
         )
     check_folder(files.unfinished)
-    check_exports(spec, files, targets, overwrite, resume)  # before errors that overwriting solves
+    check_same_subject(name, spec, files)
+    check_exports(spec, files, targets, bool(overwrite), resume)  # before errors that overwriting solves
     check_files(name, spec, files, overwrite, resume, targets)
     if preview:
         form_for(spec).check_previewable(spec)

@@ -35,6 +35,16 @@ _FORMER = (  # of the layouts that this RadTex no longer reads
 _LAYERS = frozenset((*Layer, *LAYERED, *_FORMER))
 
 
+def has_begun(name: str, spec: BakeSpec, out: Path) -> bool:
+    """Whether the folder `out` holds an unfinished bake by the name of this one."""
+    return is_unfinished(OutputFiles.of(name, spec, out, preview=False).unfinished)
+
+
+def is_baked(name: str, spec: BakeSpec, out: Path) -> bool:
+    """Whether the folder `out` holds a sidecar by the name of this one's."""
+    return OutputFiles.of(name, spec, out, preview=False).sidecar.is_file()
+
+
 def is_finished(name: str, spec: BakeSpec, out: Path) -> bool:
     """Whether the folder `out` holds a finished bake of `spec`; False if its sidecar cannot be read."""
     files = OutputFiles.of(name, spec, out, preview=False)

@@ -18,6 +18,7 @@ from ..core.messages import Message, Setting, do, leave_out
 from ..forms import form_for
 from ..textures.export_spec import Target
 from .checks import check_request
+from .replaced_bake import Overwrite
 
 
 @dataclass(frozen=True)
@@ -35,7 +36,7 @@ def run_preflight(
     folder: Path,
     *,
     preview: bool = False,
-    overwrite: bool = False,
+    overwrite: bool | Overwrite = False,
     resume: bool = False,
     targets: Iterable[Target] = (),
     view_layer: str | None = None,

@@ -23,6 +23,7 @@ from ..textures.export_spec import Target
 from ..version import VERSION
 from .existing_bakes import is_finished, misses_preview, missing_exports, samples_of
 from .output_files import OutputFiles
+from .replaced_bake import Overwrite, check_replaces_no_better, check_same_subject
 
 # Fields that may differ on resume: memory changes only tile heights; the device and the frame in use are
 # compared by other facts.
@@ -36,7 +37,7 @@ def open_checkpoint(
     spec: BakeSpec,
     files: OutputFiles,
     resume: bool,
-    overwrite: bool = False,
+    overwrite: bool | Overwrite = False,
     exports: Collection[Target] = (),
 ) -> Checkpoint:
     """Open the checkpoint of a bake of the object `name`; it lasts until the `exports` are made, too.
@@ -44,6 +45,7 @@ def open_checkpoint(
     At its first piece it checks again that it replaces no files that it may not. Raises InputError if the
     bake to `resume` differs.
     """
+    overwrite = Overwrite.of(overwrite)
     goes_on = resume and (is_unfinished(files.unfinished) or files.sidecar.exists())
     earlier: str | None = None
 
@@ -53,7 +55,7 @@ def open_checkpoint(
 
     replaces = [*files.own, *(files.export(target) for target in exports)]
     may_differ = _MAY_DIFFER if spec.density is None else (*_MAY_DIFFER, "texels")  # it is an estimate
-    checkpoint = Checkpoint(files.unfinished, resume, replaces, check)
+    checkpoint = Checkpoint(files.unfinished, resume, replaces, check, overwrite.blend.name)
     chosen = {
         _CALLED.get(field.name, field.name.replace("_", " ")): str(getattr(spec, field.name))
         for field in fields(spec)
@@ -72,7 +74,7 @@ def check_files(
     name: str,
     spec: BakeSpec,
     files: OutputFiles,
-    overwrite: bool,
+    overwrite: bool | Overwrite,
     resume: bool,
     exports: Collection[Target] = (),
 ) -> None:
@@ -81,7 +83,9 @@ def check_files(
     Raises InputError, which says what to do; also if the bake to `resume` differs, or is finished with its
     preview and its `exports`.
     """
+    overwrite = Overwrite.of(overwrite)
     check_folder(files.unfinished)
+    check_same_subject(name, spec, files)
     earlier = spec.accumulate or spec.refresh
     if earlier and not files.sidecar.exists():
         done = "accumulate onto" if spec.accumulate else "refresh"
@@ -94,8 +98,7 @@ def check_files(
             if lacks and not earlier and is_finished(name, spec, files.sidecar.parent):
                 return
             raise _nothing_unfinished(spec, name, files)
-        check_absent(files.own, overwrite or earlier)
-        _check_common(name, spec, files, overwrite)
+        _check_replaced(name, spec, files, overwrite)
         return
     check_free(files.unfinished)
     if not resume and not overwrite and not is_announced(files.unfinished):
@@ -103,14 +106,22 @@ def check_files(
     if resume:
         open_checkpoint(name, spec, files, resume)
     else:
-        _check_common(name, spec, files, overwrite)
+        _check_replaced(name, spec, files, overwrite)
     may = replaced_by(files.unfinished) if resume else frozenset()
-    check_absent([path for path in files.own if path.name not in may], overwrite or earlier)
+    check_absent([path for path in files.own if path.name not in may], bool(overwrite or earlier))
     check_absent([path for path in files.own if path.name in may], overwrite=True)
 
 
+def _check_replaced(name: str, spec: BakeSpec, files: OutputFiles, overwrite: Overwrite) -> None:
+    """Make sure that a bake that does not go on with another replaces nothing that it may not."""
+    earlier = spec.accumulate or spec.refresh
+    check_absent(files.own, bool(overwrite or earlier))
+    check_replaces_no_better(spec, files, overwrite)
+    _check_common(name, spec, files, overwrite)
+
+
 def _check_meanwhile(
-    name: str, spec: BakeSpec, files: OutputFiles, overwrite: bool, earlier: str | None
+    name: str, spec: BakeSpec, files: OutputFiles, overwrite: Overwrite, earlier: str | None
 ) -> None:
     """Check again, now with the lock held, as other processes may have written files since `check_files`.
 
@@ -121,7 +132,9 @@ def _check_meanwhile(
         raise _unfinished(files)
     if earlier is not None and digest(files.atlas) != earlier:
         raise InputError(f"{files.atlas} has changed since this bake began: start it again")
-    check_absent(files.own, overwrite or earlier is not None)
+    check_same_subject(name, spec, files)
+    check_absent(files.own, bool(overwrite) or earlier is not None)
+    check_replaces_no_better(spec, files, overwrite)
     _check_common(name, spec, files, overwrite)
 
 
@@ -152,7 +165,7 @@ def check_folder(unfinished: Path) -> None:
         )
 
 
-def _check_common(name: str, spec: BakeSpec, files: OutputFiles, overwrite: bool) -> None:
+def _check_common(name: str, spec: BakeSpec, files: OutputFiles, overwrite: Overwrite) -> None:
     """Make sure that an existing preview that parts share is one of this object's parts.
 
     Raises InputError if no sidecar of such a part lies beside it.

@@ -98,12 +98,18 @@ def with_incomplete(
 
 
 def announce_all(
-    bakes: Sequence[Bake], out: Path, preview: bool, exports: Collection[Target], overwrite: bool
+    bakes: Sequence[Bake],
+    out: Path,
+    preview: bool,
+    exports: Collection[Target],
+    overwrite: bool,
+    blend: str = "",
 ) -> None:
     """Mark those of several bakes that replace existing files as unfinished, before the first one starts.
 
     Otherwise, if the run is killed between two bakes, resuming it would take the old files of the next one
-    for finished. Raises InputError if a process works on one of them, BakeError where the system refuses.
+    for finished. `blend` is the name of the .blend that is baked. Raises InputError if a process works on one
+    of them, BakeError where the system refuses.
     """
     if len(bakes) < 2:
         return
@@ -111,7 +117,8 @@ def announce_all(
         files = OutputFiles.of(name, spec, out, preview)
         again = spec.accumulate or spec.refresh
         if files.sidecar.exists() and (overwrite or again) and not is_unfinished(files.unfinished):
-            announce(files.unfinished, [*files.own, *(files.export(target) for target in exports)])
+            replaces = [*files.own, *(files.export(target) for target in exports)]
+            announce(files.unfinished, replaces, blend)
 
 
 def tidy(bakes: Sequence[Bake], out: Path) -> None:

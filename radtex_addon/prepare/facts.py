@@ -26,6 +26,7 @@ def facts_of(
     texel_density: TexelDensity | None = None,
     wasteful: str = "",
     fingerprint: Fingerprint | None = None,
+    blend: str = "",
 ) -> Sidecar:
     """The sidecar's facts about a bake called `name` with `width` x `height` texels."""
     return Sidecar(
@@ -52,4 +53,5 @@ def facts_of(
         wasteful=wasteful,
         fingerprint=fingerprint,
         alone=spec.alone,
+        blend=blend,
     )

@@ -91,7 +91,7 @@ class Prepared:
     each other. With a `source`, the points to capture lie on that, the `detailed` object; its mesh `shown`,
     which renders as it does, is made for forms by paths alone. `chosen` (F,) marks the surface's triangles
     that the specification selects, None if it selects none. The `fingerprint` tells what is baked, None if
-    that was not read.
+    that was not read. `blend` is the name of the .blend that is baked, empty if it was never saved.
     """
 
     name: str
@@ -113,6 +113,7 @@ class Prepared:
     detailed: Detailed | None = None
     shown: bpy.types.Mesh | None = None
     fingerprint: Fingerprint | None = None
+    blend: str = ""
 
     @property
     def original(self) -> bpy.types.Object:
@@ -171,6 +172,7 @@ class Prepared:
             texel_density=self.density,
             wasteful=self.wasteful,
             fingerprint=self.fingerprint,
+            blend=self.blend,
         )
 
     def sized(self, spec: BakeSpec) -> BakeSpec:

@@ -10,9 +10,10 @@ from pathlib import Path
 import bpy
 
 from ..bake.kinds import KINDS, Kind
-from ..core.errors import InputError
+from ..core.errors import InputError, RadTexError
 from ..formats.sidecar import file_name
 from ..formats.sidecar_file import AnySidecar, SidecarFile
+from ..job.replaced_bake import is_of_blend
 from ..preview.swap import copy_of, is_on
 from ..preview.variant import Variant, kept_variant, read_variant
 from .finished_bake import find_bake, find_bakes
@@ -32,6 +33,15 @@ def shown_bake(place: Path, name: str) -> SidecarFile:
         if sidecar.is_file():
             return SidecarFile.read(sidecar)
     return find_bakes(place, name, "shown", tuple(Kind))[0]  # all parts share one preview
+
+
+def has_bakes(folder: Path, names: Iterable[str], blend: Path) -> bool:
+    """Whether a folder has a bake of each of the objects, of any kind, none of another file than `blend`."""
+    try:
+        found = [shown_bake(folder, name).path for name in names] if folder.is_dir() else None
+    except RadTexError:
+        return False
+    return found is not None and all(is_of_blend(sidecar, blend) for sidecar in found)
 
 
 def bakes_of(items: Iterable[bpy.types.Object], place: Path) -> dict[bpy.types.Object, SidecarFile | None]:

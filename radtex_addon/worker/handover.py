@@ -82,6 +82,7 @@ def hand_over(scene: bpy.types.Scene, root: Path | None = None) -> Handover:
         images=images if painted else None,
         device=preferred_device(),
         stalled=perf_counter() - since,
+        original=Path(bpy.data.filepath) if bpy.data.filepath else Path(),
     )
 
 

@@ -37,7 +37,8 @@ class Handover:
     """A copy of the session's scene in a folder of its own.
 
     `images` is a folder with painted pixels that were not saved, if there are any; `device` is what `auto`
-    means in the session; `stalled` is how long saving blocked the window, in seconds.
+    means in the session; `stalled` is how long saving blocked the window, in seconds. `original` is the path
+    of the session's file, `Path()` if it was never saved.
     """
 
     folder: Path
@@ -46,6 +47,7 @@ class Handover:
     images: Path | None
     device: str
     stalled: float
+    original: Path = Path()
 
 
 class Work(StrEnum):

@@ -107,15 +107,18 @@ def sidecar_of(scene: bpy.types.Scene, name: str, bake: str) -> Path:
 def bake_location(scene: bpy.types.Scene, bake: str, name: str = "") -> Path:
     """The folder or file that `bake` names; if empty, the output folder of the object `name`, or the scene's.
 
+    Where the default folder has no bake of the object, that is the folder of earlier versions, if it has one.
     Raises InputError if the output folder does not exist yet, or the path cannot be read.
     """
     from ...core.errors import InputError
     from ..settings.preferences import preferred
-    from ..settings.request import output_folder
+    from ..settings.request import former_places, output_folder
 
     chosen = bake or settings_for(scene, name).directory
     place = output_folder(chosen, preferred().output)
     try:
+        for former in () if bake else former_places(chosen):
+            place = _where_found(place, former, name)
         is_there = place.exists()
     except OSError as error:
         raise InputError(
@@ -124,6 +127,15 @@ def bake_location(scene: bpy.types.Scene, bake: str, name: str = "") -> Path:
     if not bake and not is_there:
         raise InputError(f"nothing was baked into {place} yet: bake first")
     return place
+
+
+def _where_found(place: Path, former: Path, name: str) -> Path:
+    """The folder `former` if it has a bake of the object, or any if that is empty, and `place` has not."""
+    from ...job.bake_folders import open_blend
+    from ...report.shown import has_bakes
+
+    names, blend = [name] if name else [], open_blend()
+    return place if has_bakes(place, names, blend) or not has_bakes(former, names, blend) else former
 
 
 def sidecars_of(

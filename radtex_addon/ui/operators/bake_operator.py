@@ -10,10 +10,12 @@ from typing import TYPE_CHECKING, Any, cast
 import bpy
 from bpy.props import BoolProperty, EnumProperty, StringProperty
 
-from ..panel.labels import remark
+from ..panel.draw_messages import draw_wrapped
+from ..panel.labels import iface_, remark
 from ..settings.bake_settings import NAMES, BakeSettings
 from ..settings.chosen_objects import chosen_names, nothing_chosen, told_names
 from ..settings.update_callbacks import without_updates
+from .export_dialog import WIDTH
 from .undo import push_step
 
 if TYPE_CHECKING:
@@ -37,6 +39,7 @@ _ONLY = (
         "As Changed, and those whose surroundings have changed: other objects, lamps, the world",
     ),
 )
+_MOST, _ICON = 8, 40  # questions that are asked word by word, and pixels beside each
 _PATIENCE = 1.0  # seconds that the check before queuing may take; each bake checks its object again
 
 
@@ -54,7 +57,10 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
         show_object: bool
         only: str
         expected: str
+        overwrite_any: bool
+        _asked: tuple[str, ...]  # what the dialog says
     else:
+        _asked = ()
         object: StringProperty(
             name="Object",
             description="Name of the object to bake. Left empty, what the panel has chosen is baked",
@@ -90,6 +96,14 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
             options={"SKIP_SAVE", "HIDDEN"},
         )
 
+        overwrite_any: BoolProperty(
+            name="Overwrite Any",
+            description="As Overwrite, and replace better bakes, too, and those of other .blend files. The "
+            "panel asks first",
+            default=False,
+            options={"SKIP_SAVE"},
+        )
+
     @classmethod
     def description(cls, _: bpy.types.Context | None, properties: Any) -> str:
         """The tooltip of what the button does."""
@@ -103,6 +117,39 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context | None) -> bool:
         return can_bake(cls, context)
+
+    def invoke(
+        self, context: bpy.types.Context | None, event: bpy.types.Event | None
+    ) -> set[OperatorReturnItems]:
+        """Ask before a better bake, or one of another file, is replaced; else bake."""
+        from ...core.errors import RadTexError
+
+        assert context is not None  # Blender always gives one
+        scene, layer = shown(context)
+        try:
+            names = self._names(scene, layer, bpy.app.background or self.wait)
+            self._asked = questions(self._plans(scene, names, guess=self.only == "all"))
+        except RadTexError:
+            return self.execute(context)  # which says what is wrong
+        if not self._asked:
+            return self.execute(context)
+        assert context.window_manager is not None  # a click implies a window
+        self.overwrite_any = True  # of what runs once the dialog is confirmed
+        return context.window_manager.invoke_props_dialog(
+            self,
+            width=WIDTH,
+            title=iface_("Replace What Is There?"),
+            confirm_text=iface_("Replace"),
+            cancel_default=True,
+        )
+
+    def draw(self, context: bpy.types.Context | None) -> None:
+        layout: Any = self.layout
+        column = layout.column(align=True)
+        for line in self._asked[:_MOST]:
+            draw_wrapped(column, line, "ERROR", WIDTH - _ICON)
+        if more := len(self._asked) - _MOST:
+            column.label(text=iface_("and {} more").format(more), translate=False)
 
     def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
         # Imported here so that OpenEXR is loaded with the first bake, not when Blender starts.
@@ -148,8 +195,11 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
             if told:
                 self.report({"INFO"}, remark(told))
 
-    def _plans(self, scene: bpy.types.Scene, names: Sequence[str]) -> list[BakePlan]:
-        """A plan for each group of objects that are baked by the same settings. Raises InputError."""
+    def _plans(self, scene: bpy.types.Scene, names: Sequence[str], *, guess: bool = False) -> list[BakePlan]:
+        """A plan for each group of objects that are baked by the same settings. Raises InputError.
+
+        With `guess` no object is evaluated: see `plan_bakes`.
+        """
         from ...core.errors import InputError
         from ...job.bake_plan import plan_bakes
         from ..panel.request_checks import all_finished, check_left
@@ -166,7 +216,11 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
         ]
         if self.only != "all":
             requests = [_of_changed(request, surroundings=self.only == "affected") for request in requests]
-        plans = [plan_bakes(scene, request) for request in requests]
+        if self.overwrite_any:
+            requests = [
+                replace(each, overwrite=not each.only_changed, overwrite_any=True) for each in requests
+            ]
+        plans = [plan_bakes(scene, request, guess=guess) for request in requests]
         _check_begun(plans)
         if len(plans) > 1:  # resuming a group that is done would be refused
             plans = [plan for plan in plans if not (plan.request.resume and _is_done(plan))]
@@ -186,6 +240,22 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
             name, spec, steps = next(steps_of[id(plan)])
             finished(steps)
             self.report({"INFO"}, f"Baked {title_of(name, spec)}")
+
+
+def questions(plans: Sequence[BakePlan]) -> tuple[str, ...]:
+    """What to ask before these bakes are made: each names a bake that is there, and the new one."""
+    from ...job.output_files import OutputFiles
+    from ...job.replaced_bake import reasons_to_ask
+
+    asked = []
+    for plan in plans:
+        for name, spec in plan.replaced:
+            course = plan.course_of((name, spec))
+            files = OutputFiles.of(name, spec, plan.request.folder, plan.request.saves_preview)
+            if not course.resume and (course.overwrite or spec.accumulate or spec.refresh):
+                found = reasons_to_ask(spec, files, course.overwrite)
+                asked += [remark(reason, plan.request.folder) for reason in found]
+    return tuple(asked)
 
 
 def _of_changed(request: BakeRequest, *, surroundings: bool) -> BakeRequest:

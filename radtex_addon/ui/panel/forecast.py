@@ -88,7 +88,8 @@ def _of_group(
         return replace(found, folder=request.folder)
     found = _with_files(scene, request, found, patience)
     if found.next is Next.RESUME:  # in the layout that was begun
-        begun = chosen_layouts(scene, names, values | {"resume": True}, asked, patience)
+        there = str(_where_begun(scene, request).folder)
+        begun = chosen_layouts(scene, names, values | {"resume": True, "directory": there}, asked, patience)
         found = replace(found, layout=told_layouts(values, begun))
     if found.seconds is not None and not found.errors:
         found = replace(found, seconds=found.seconds * _count_of_variants(scene, request))
@@ -112,6 +113,9 @@ def _with_files(scene: bpy.types.Scene, request: BakeRequest, found: Forecast, p
     from .request_checks import files_there, foreseen
 
     files = files_there(scene, request)
+    begun = _where_begun(scene, request)
+    if begun.folder != request.folder:  # where an earlier version left it
+        files = files_there(scene, begun)
     # Where a bake is shown in the object's place, the button shows the object first: then it can be checked.
     checked = tuple(name for name in request.objects if not is_on(scene.objects[name]))
     request = replace(request, objects=checked)
@@ -129,13 +133,24 @@ def _with_files(scene: bpy.types.Scene, request: BakeRequest, found: Forecast, p
     there = files.finished + files.unfinished > 0 and not adds
     if not seen.errors and not there:
         return found
-    left = foreseen(scene, replace(request, overwrite=True), patience).errors if checked else ()
+    anew = replace(request, overwrite=True, overwrite_any=True)  # the button asks first
+    left = foreseen(scene, anew, patience).errors if checked else ()
     if left:
         return replace(found, errors=left, next=Next.NOTHING)
     resumable = checked and (files.unfinished or 0 < files.finished < files.bakes)
     if resumable and not foreseen(scene, replace(request, resume=True), patience).errors:
         return replace(found, next=Next.RESUME)
     return replace(found, next=Next.REPLACE)
+
+
+def _where_begun(scene: bpy.types.Scene, request: BakeRequest) -> BakeRequest:
+    """The request into the folder in which resuming would go on."""
+    from ...core.errors import InputError
+
+    try:
+        return replace(request, folder=replace(request, resume=True).where_begun(scene, guess=True).folder)
+    except InputError:
+        return request
 
 
 def _dearest(chosen: Chosen) -> tuple[BakeSpec, Cost]:

@@ -46,6 +46,7 @@ LABELS = {
     Setting.OBJECT: "Object",
     Setting.OUT: "Folder",
     Setting.OVERWRITE: "Overwrite",
+    Setting.OVERWRITE_ANY: "Overwrite Any",
     Setting.PART: "Only",
     Setting.PIXELS: "Pixels",
     Setting.REFRESH: "Refresh",

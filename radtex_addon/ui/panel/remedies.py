@@ -38,7 +38,8 @@ PROPERTIES = {  # names of bake settings; those of a remedy that are missing her
     Setting.UV: "uv_layer",
 }
 PREFERENCES = {Setting.DEVICE: "device", Setting.MEMORY: "memory_mb"}
-_BUTTONS = frozenset({Setting.OVERWRITE, Setting.RESUME})  # the panel's large buttons decide these
+# The panel's large buttons decide these.
+_BUTTONS = frozenset({Setting.OVERWRITE, Setting.OVERWRITE_ANY, Setting.RESUME})
 
 
 @dataclass(frozen=True)

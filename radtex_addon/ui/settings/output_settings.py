@@ -14,6 +14,8 @@ from ...scene.mesh.named_regions import places_on
 from .menu_items import COMPRESSIONS, LAYERS, TARGETS
 from .update_callbacks import NOTICED, notice
 
+DEFAULT_FOLDER = "//radtex/{blend_name}/"
+
 # Property names of the mixin below, in the panel's order.
 NAMES = (
     "layers",
@@ -67,8 +69,8 @@ class OutputSettings:
         directory: StringProperty(
             name="Output Folder",
             description="Where the atlas and all that belongs to it are written; // is the .blend "
-            "file's folder",
-            default="//radtex/",
+            "file's folder, {blend_name} its name, so that no two files share a folder",
+            default=DEFAULT_FOLDER,
             subtype="DIR_PATH",
             update=notice,
             options={"SKIP_SAVE", "PATH_SUPPORTS_BLEND_RELATIVE"},
