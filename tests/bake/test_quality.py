@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from radtex_addon.bake.quality import Quality
-from radtex_addon.bake.spec import BakeSpec, Layer
+from radtex_addon.bake.spec import BakeSpec, Kind, Layer, Layout
 from radtex_addon.formats.json_reader import Facts
 
 LAYERED = Quality("layered", 256, 0, 16)
@@ -44,17 +44,20 @@ def test_a_bake_is_worse_that_has_less_of_anything(new: Quality, there: Quality,
 @pytest.mark.parametrize(
     ("spec", "facts"),
     [
-        (BakeSpec(layout="layered", texels=64, samples=4), {"layout": "layered", "bucket": 14, "samples": 4}),
         (
-            BakeSpec(layout="buckets", texels=64, bucket=4, samples=4, layers=(Layer.DIFFUSE,)),
+            BakeSpec(layout=Layout.LAYERED, texels=64, samples=4),
+            {"layout": "layered", "bucket": 14, "samples": 4},
+        ),
+        (
+            BakeSpec(layout=Layout.BUCKETS, texels=64, bucket=4, samples=4, layers=(Layer.DIFFUSE,)),
             {"layout": "buckets", "bucket": 4, "samples": 4, "layers": ["diffuse"]},
         ),
-        (BakeSpec(kind="shadow", texels=64, bucket=4), {"layout": "buckets", "bucket": 4, "samples": 1}),
+        (BakeSpec(kind=Kind.SHADOW, texels=64, bucket=4), {"layout": "buckets", "bucket": 4, "samples": 1}),
         (
-            BakeSpec(kind="ao", texels=64, bucket=4, samples=2),
+            BakeSpec(kind=Kind.AO, texels=64, bucket=4, samples=2),
             {"layout": "buckets", "bucket": 1, "samples": 32},
         ),
-        (BakeSpec(kind="transfer", texels=64, samples=2), {"layout": "sphere", "bucket": 9, "samples": 2}),
+        (BakeSpec(kind=Kind.TRANSFER, texels=64, samples=2), {"layout": "sphere", "bucket": 9, "samples": 2}),
     ],
 )
 def test_a_bake_and_its_own_specification_are_as_good_as_each_other(
@@ -66,7 +69,7 @@ def test_a_bake_and_its_own_specification_are_as_good_as_each_other(
 
 
 def test_passes_count_as_the_samples_that_they_add_up_to() -> None:
-    spec = BakeSpec(layout="buckets", samples=2)
+    spec = BakeSpec(layout=Layout.BUCKETS, samples=2)
     assert Quality.of_spec(spec, passes=4).samples == 8
 
 

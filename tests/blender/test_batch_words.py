@@ -63,7 +63,11 @@ def test_help_shows_every_option_with_its_default() -> None:
         assert f"(default: {getattr(default, name)})" in told
     assert "(default: 8 in layout buckets; layered chooses them itself)" in told
     assert "(default: layered; buckets for other kinds, for an object with hair or a volume, and for" in told
-    for word in ("(default: radtex)", "(default: quadrilinear)", "(default: bar)"):
+    for word in (
+        "(default: radtex/NAME beside NAME.blend; without a file, radtex)",
+        "(default: quadrilinear)",
+        "(default: bar)",
+    ):
         assert word in told
     assert "exit codes:" in ended.out
     assert max(len(line) for line in ended.out.splitlines()) <= 80
@@ -95,7 +99,7 @@ def test_what_is_not_said_is_the_specs_default_and_the_layout_stays_open() -> No
     assert (request.scene, request.bakes.objects, request.bakes.folder) == (
         Path("a.blend"),
         ("A",),
-        Path("radtex"),
+        Path("radtex/a"),
     )
     assert (request.bakes.preview, request.bakes.overwrite, request.progress) == (
         None,

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a bake never replaces: one of another object, and without being told to one of another file, or a better one."""
+"""What a bake replaces only if told to: a better one, or another file's; and never: another object's."""
 
 from __future__ import annotations
 
@@ -23,15 +23,14 @@ QUICKEST = [*QUICK, "--no-denoise"]
 
 @pytest.fixture
 def saved(tmp_path: Path) -> Saved:
-    """Save a .blend with these planes: Ball, of two materials, and others whose bakes have names of its parts."""
+    """Save a .blend with Ball, of two materials, and others whose bakes have the names of its parts."""
     stage.world()
+    materials = [stage.material(name, "ShaderNodeBsdfDiffuse") for name in ("Gold", "Iron")]
     for number, name in enumerate(("Ball", "Ball.Gold", "Ball-0001", "Ball.material", "Ball-Key")):
         bpy.ops.mesh.primitive_grid_add(x_subdivisions=2, y_subdivisions=1, location=(3 * number, 0, 0))
         context.object.name = name
-        for shown in ("Gold", "Iron"):
-            context.object.data.materials.append(
-                bpy.data.materials.get(shown) or stage.material(shown, "ShaderNodeBsdfDiffuse")
-            )
+        for each in materials:
+            context.object.data.materials.append(each)
         context.object.data.polygons[1].material_index = 1
     bpy.ops.object.light_add(type="POINT", location=(0, 0, 3))
     context.object.name = "Key"
@@ -96,7 +95,7 @@ def test_a_part_stays_where_an_object_of_its_files_name_is_baked(
 
 def test_an_atlas_of_others_by_the_same_name_stays(saved: Saved, out: Path, batch: Batch) -> None:
     blend = saved("room.blend")
-    own_uv = [word for word in QUICKEST if word not in ("--uv", "UVMap")]
+    own_uv = ["--texels=16", *(word for word in QUICKEST if word not in ("--uv", "UVMap", "--texels", "4"))]
     shared = [blend, "--object=Ball", "--object=Ball.Gold", *own_uv, "--together=Ball", "--out", out]
     assert batch(*shared).code == 0
     before = contents(out)
@@ -134,8 +133,8 @@ def test_a_better_bake_is_replaced_only_if_that_is_said(saved: Saved, out: Path,
         ended = batch(*bake, way)
         assert ended.err.splitlines()[-1] == (
             f"radtex: {out / 'Ball.radiance.json'} is a better bake (buckets, 4 texels, 2 cells a side, 2 "
-            "samples) than the new one would be (buckets, 4 texels, 2 cells a side, 1 sample): replace it all "
-            "the same (--overwrite-any), or choose another folder (--out)"
+            "samples) than the new one would be (buckets, 4 texels, 2 cells a side, 1 sample): replace it "
+            "all the same (--overwrite-any), or choose another folder (--out)"
         )
         assert ended.code == 2
         assert contents(out) == before

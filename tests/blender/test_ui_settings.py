@@ -303,7 +303,7 @@ def test_a_file_never_saved_goes_to_the_preferred_folder(tmp_path: Path) -> None
     preferences().output_folder = str(tmp_path)
     assert request_of(values_of(settings()), ("Card",)).folder == tmp_path
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "scene.blend"))
-    assert request_of(values_of(settings()), ("Card",)).folder == tmp_path / "radtex"
+    assert request_of(values_of(settings()), ("Card",)).folder == tmp_path / "radtex" / "scene"
 
 
 def test_an_export_wants_the_preview(tmp_path: Path) -> None:

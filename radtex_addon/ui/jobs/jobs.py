@@ -16,7 +16,7 @@ import bpy
 from ..panel import panel_state
 from ..panel.labels import duration
 from ..panel.redraw import redraw
-from . import bake_times, pictures
+from . import bake_times, job_files, pictures
 from .bake_times import BakedScene
 
 if TYPE_CHECKING:
@@ -205,10 +205,19 @@ def advance() -> bool:
     if ended:
         panel_state.mark_stale()  # there are new files
     for job in ended:
+        job_files.note(job)
+    look_at_files()
+    for job in ended:
         _remember(job, now)
         if job.state == "done" and job.number in _session.completions:
             _session.completions[job.number].arrived(job)
     return more
+
+
+def look_at_files() -> None:
+    """Look whether the files of the jobs on the list are still those that the jobs made."""
+    if job_files.look(_session.shown):
+        redraw()
 
 
 def _remember(job: Job, now: float) -> None:
@@ -230,6 +239,7 @@ def unregister() -> None:
     _session.completions.clear()
     _session.begun.clear()
     _session.scenes.clear()
+    job_files.unregister()
     pictures.unregister()
 
 

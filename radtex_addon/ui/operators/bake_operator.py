@@ -122,19 +122,10 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
         self, context: bpy.types.Context | None, event: bpy.types.Event | None
     ) -> set[OperatorReturnItems]:
         """Ask before a better bake, or one of another file, is replaced; else bake."""
-        from ...core.errors import RadTexError
-
-        assert context is not None  # Blender always gives one
-        scene, layer = shown(context)
-        try:
-            names = self._names(scene, layer, bpy.app.background or self.wait)
-            self._asked = questions(self._plans(scene, names, guess=self.only == "all"))
-        except RadTexError:
-            return self.execute(context)  # which says what is wrong
-        if not self._asked:
+        if not self.ask_for(context):
             return self.execute(context)
+        assert context is not None  # Blender always gives one
         assert context.window_manager is not None  # a click implies a window
-        self.overwrite_any = True  # of what runs once the dialog is confirmed
         return context.window_manager.invoke_props_dialog(
             self,
             width=WIDTH,
@@ -142,6 +133,19 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
             confirm_text=iface_("Replace"),
             cancel_default=True,
         )
+
+    def ask_for(self, context: bpy.types.Context | None) -> bool:
+        """Find what the dialog has to ask, and let OK mean yes; returns whether there is anything."""
+        from ...core.errors import RadTexError
+
+        scene, layer = shown(context)
+        try:
+            names = self._names(scene, layer, bpy.app.background or self.wait)
+            self._asked = questions(self._plans(scene, names, guess=self.only == "all"))
+        except RadTexError:
+            return False  # `execute` says what is wrong
+        self.overwrite_any = self.overwrite_any or bool(self._asked)
+        return bool(self._asked)
 
     def draw(self, context: bpy.types.Context | None) -> None:
         layout: Any = self.layout

@@ -64,6 +64,7 @@ class RADTEX_OT_show_in_browser(MayWait, OfBake, bpy.types.Operator):
         from ...core.errors import RadTexError
 
         try:
+            self.check_files()
             if self.directory:
                 self._open(_checked_page(Path(bpy.path.abspath(self.directory))))
             else:

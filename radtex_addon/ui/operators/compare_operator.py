@@ -94,6 +94,7 @@ class RADTEX_OT_compare(AsksFirst, MayWait, OfBake, bpy.types.Operator):
 
         scene, layer = shown(context)
         try:
+            self.check_files()
             items = originals(layer, self.object, scene, self.bake)
             bake = bake_called(layer, self.object, scene, self.bake)
             bakes, place = self._bakes(scene, items, bake)

@@ -51,6 +51,7 @@ class RADTEX_OT_delete_bake(OfBake, bpy.types.Operator):
         assert context is not None  # Blender always gives one
         assert context.window_manager is not None  # a click implies a window
         try:
+            self.check_files()
             self._found = tuple(self._files(*shown(context)))
         except RadTexError as error:
             self.report({"ERROR"}, remark(error))
@@ -74,6 +75,7 @@ class RADTEX_OT_delete_bake(OfBake, bpy.types.Operator):
 
         scene, layer = shown(context)
         try:
+            self.check_files()
             found = self._files(scene, layer)
             if self._found and tuple(found) != self._found:
                 raise InputError("the files have changed since they were listed: press Delete Bake again")

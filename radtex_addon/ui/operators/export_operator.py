@@ -157,6 +157,7 @@ class RADTEX_OT_export(MayWait, OfBake, bpy.types.Operator):
         assert context is not None  # Blender always gives one
         assert context.window_manager is not None  # a click implies a window
         try:
+            self.check_files()
             self.ask_for(context)
         except RadTexError as error:
             self.report({"ERROR"}, remark(error))
@@ -215,6 +216,7 @@ class RADTEX_OT_export(MayWait, OfBake, bpy.types.Operator):
 
         scene, layer = shown(context)
         try:
+            self.check_files()
             spec = self._spec()
             sources = export_sources(scene, layer, self.object, self.bake)
             name = self._scene_name()

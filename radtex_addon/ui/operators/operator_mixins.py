@@ -7,8 +7,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import bpy
-from bpy.props import BoolProperty, StringProperty
+from bpy.props import BoolProperty, IntProperty, StringProperty
 
+from ..panel.redraw import redraw
 from .bake_lookup import has_meshes
 
 if TYPE_CHECKING:
@@ -21,6 +22,7 @@ class OfBake:
     if TYPE_CHECKING:  # types of the properties that Blender creates from the annotations below
         object: str
         bake: str
+        job: int
     else:
         object: StringProperty(
             name="Object",
@@ -33,6 +35,23 @@ class OfBake:
             subtype="FILE_PATH",
             options={"SKIP_SAVE", "PATH_SUPPORTS_BLEND_RELATIVE"},
         )
+        job: IntProperty(
+            name="Job",
+            description="The number of the job whose files must still be there. 0 checks nothing",
+            default=0,
+            min=0,
+            options={"SKIP_SAVE", "HIDDEN"},
+        )
+
+    def check_files(self) -> None:
+        """Raise InputError if the files are no longer those of the job whose button was pressed."""
+        from ...core.errors import InputError
+        from ..jobs.job_files import Fate, fate_now
+
+        if self.job and (found := fate_now(self.job)) is not Fate.THERE:
+            redraw()
+            done = "deleted" if found is Fate.GONE else "replaced by others"
+            raise InputError(f"the files of this job have been {done} since")
 
     @classmethod
     def poll(cls, context: bpy.types.Context | None) -> bool:

@@ -59,6 +59,7 @@ class RADTEX_OT_preview_toggle(OfBake, bpy.types.Operator):
 
         scene, layer = shown(context)
         try:
+            self.check_files()
             items = originals(layer, self.object, scene, self.bake)
             off = self.action == "OFF" or (self.action == "TOGGLE" and all(map(is_on, items)))
             if not off:

@@ -28,9 +28,11 @@ def compute_forecast(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) ->
     """Check and estimate a bake of the chosen objects, each with its settings. Changes nothing."""
     from ...core.messages import Message, Setting, do
     from ...preview.swap import is_on
-    from ..jobs.jobs import is_being_baked
+    from ..jobs.jobs import is_being_baked, look_at_files
     from ..settings.object_settings import by_settings, settings_for
     from ..settings.values import values_of
+
+    look_at_files()
 
     names = chosen_names(scene, view_layer)
     busy = tuple(name for name in names if is_being_baked(name, settings_for(scene, name)))

@@ -4,13 +4,13 @@
 
 from __future__ import annotations
 
-from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import bpy
 
 from ...bake.bake_title import bake_title
-from ..jobs import browser, jobs, pictures
+from ..jobs import browser, job_files, jobs, pictures
+from ..jobs.job_files import Fate
 from ..operators.switch import draw_show, draw_switch
 from ..settings.menu_items import KINDS, TARGETS
 from .draw_messages import draw_text
@@ -19,7 +19,6 @@ from .main_panel import Sidebar
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
-    from pathlib import Path
 
     from ...worker.job import Job, JobMap
 
@@ -31,6 +30,10 @@ _ICONS = {
 }
 _RUNNING = {"bake": "RENDER_STILL", "comparison": "IMAGE_REFERENCE", "export": "EXPORT"}
 _TITLES = {"bake": "{}", "comparison": "{}, compared", "export": "{} for {}"}
+_FATES = {
+    Fate.GONE: "Its files are no longer there",
+    Fate.REPLACED: "Other files have replaced its own since",
+}
 _PAGES = 4  # most of an export's web pages that get a button each
 _TARGETS = {identifier: name for identifier, name, _ in TARGETS}
 _KINDS = {identifier: name for identifier, name, _ in KINDS}
@@ -95,7 +98,8 @@ def _draw_job(column: Any, job: Job) -> None:
     if job.map is not None:
         _draw_map(column, job, 0)
     if job.state == "done":
-        _OFFERS[job.work](column, job)
+        if job_files.fate(job.number) is Fate.THERE:
+            _OFFERS[job.work](column, job)
     else:
         row = column.row(align=True)
         row.label(text=phrase(job), icon="BLANK1", translate=False)
@@ -112,7 +116,9 @@ def _draw_job(column: Any, job: Job) -> None:
 def results(job: Job, others: Iterable[Job]) -> list[str]:
     """Figures of a finished job in lines: its time, the size of its files, and what a comparison found."""
     told = [] if job.took is None else [duration(job.took)]
-    sizes = _sizes(job.number, job.files) if job.work == "bake" else ()
+    if (fate := job_files.fate(job.number)) is not Fate.THERE:
+        return [*told, iface_(_FATES[fate])]
+    sizes = job_files.sizes(job.number) if job.work == "bake" else ()
     if sizes:
         told.append(iface_("{} in {} files").format(size(sum(sizes)), len(sizes)))
     if job.work == "export" and "bytes" in job.facts:
@@ -127,12 +133,6 @@ def results(job: Job, others: Iterable[Job]) -> list[str]:
         )
         lines.append(text.format(number(clamped)))
     return lines
-
-
-@cache
-def _sizes(_number: int, files: tuple[Path, ...]) -> tuple[int, ...]:
-    """Bytes of each of a job's files that is there, looked up once: drawing must not wait for a disk."""
-    return tuple(path.stat().st_size for path in files if path.is_file())
 
 
 def _comparison_of(job: Job, others: Iterable[Job]) -> Job | None:
@@ -189,7 +189,7 @@ def _offer_bake(column: Any, job: Job) -> None:
         buttons.append(row.operator("radtex.export", text="", icon="EXPORT"))
     buttons.append(row.operator("radtex.delete_bake", text="", icon="TRASH"))
     for button in buttons:
-        button.object, button.bake = job.object, sidecar
+        button.object, button.bake, button.job = job.object, sidecar, job.number
     row.operator("radtex.open_folder", text="", icon="FILE_FOLDER").directory = str(job.out)
 
 
@@ -214,7 +214,7 @@ def _offer_export(column: Any, job: Job) -> None:
         text = browser.known_address(folder).removeprefix("http://")
         text = text or (folder.stem if several else iface_("Show in Browser"))
         page = column.operator("radtex.show_in_browser", text=text, icon="URL", translate=False)
-        page.directory = str(folder)
+        page.directory, page.job = str(folder), job.number
     opened = job.out if several else job.files[0]
     column.operator("radtex.open_folder", icon="FILE_FOLDER").directory = str(opened)
 
