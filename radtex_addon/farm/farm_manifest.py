@@ -30,7 +30,7 @@ from .farm_files import FarmFiles
 
 VERSION = 1
 _WHAT = "farm's manifest"
-_MOST_FRAMES = 1048574  # of an animation in Blender
+MOST_FRAMES = 1048574  # of an animation in Blender
 
 
 @dataclass(frozen=True)
@@ -163,7 +163,7 @@ def _is_possible(made: Manifest) -> bool:
     facts, texels = made.facts, made.spec.texels
     fits = max(facts.width, facts.height) <= texels and facts.bucket == made.spec.bucket
     filled = (made.rows - 1) * made.columns < facts.width * facts.height
-    divided = made.sheets == -(-made.rows // made.sheet_rows) and made.sheets <= _MOST_FRAMES
+    divided = made.sheets == -(-made.rows // made.sheet_rows) and made.sheets <= MOST_FRAMES
     return fits and filled and divided
 
 
@@ -239,6 +239,15 @@ def _copies(facts: Facts) -> Copies:
         parts=facts.texts("parts"),
         filter=Filter(facts.choice("filter", tuple(Filter))),
     )
+
+
+def check_frame_count(count: int) -> None:
+    """Raises InputError for more frames than an animation in Blender, and so a manifest, can have."""
+    if count > MOST_FRAMES:
+        raise InputError(
+            f"the farm would have {count} frames, Blender has {MOST_FRAMES} at most",
+            do("take larger pictures", Setting.SHEET),
+        )
 
 
 def check_farmable(spec: BakeSpec) -> None:

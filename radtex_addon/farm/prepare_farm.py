@@ -38,7 +38,7 @@ from ..scene.scratch import new_data_removed
 from .blend import check_images_saved, finish_blend, save_draft
 from .carried import Carried
 from .farm_files import FarmFiles
-from .farm_manifest import Copies, Manifest, check_farmable, write_plan
+from .farm_manifest import Copies, Manifest, check_farmable, check_frame_count, write_plan
 from .farm_progress import AnyStep, Step, Task
 from .freeze_scene import Held, check_holdable
 from .render_digests import Looks
@@ -76,6 +76,7 @@ class _Draft:
         texels = prepared.texels()
         plan, hidden, facts = yield from plan_buckets(scratch, spec, prepared, texels, job.folder, job.store)
         check_seed(spec.seed, plan.sheets)
+        check_frame_count(plan.sheets)
         capture_of(scratch, plan, spec, job.folder, whole=True)
         looks, cached = save_draft(scratch, self.path)
         write_plan(self.plan_path, plan, hidden)

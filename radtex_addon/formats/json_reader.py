@@ -9,10 +9,11 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from ..core.errors import FormatError
+from ..core.errors import BakeError, FormatError
+from .disk.regular import MOST_TEXT
 
 _MOST = 2**64 - 1  # limit of whole numbers; ours are far smaller
-_MOST_VALUES = 1_000_000  # limit of values in a text: in memory each takes up to a hundred times its bytes
+MOST_VALUES = 1_000_000  # limit of values in a text: in memory each takes up to a hundred times its bytes
 
 
 def shown(text: str, most: int = 40) -> str:
@@ -21,8 +22,31 @@ def shown(text: str, most: int = 40) -> str:
 
 
 def json_text(facts: dict[str, Any]) -> str:
-    """JSON as in the files, in ASCII and with a newline at its end."""
-    return json.dumps(facts, indent=2) + "\n"
+    """JSON as in the files, in ASCII and with a newline at its end.
+
+    Raises BakeError for more than `Facts.parse` and `read_regular` take, so that no file is written in vain.
+    """
+    text = json.dumps(facts, indent=2) + "\n"
+    if said := excess(text):
+        raise BakeError(f"what is to be written {said}: nothing was written")
+    return text
+
+
+def excess(text: str, share: float = 1.0) -> str:
+    """What a text has more of than readers take, such as "has 2000000 values, 1000000 are the most".
+
+    Empty if it has not. With a `share`, more than that share of it.
+    """
+    values, size = _values_in(text), len(text)
+    for found, most, what in ((values, MOST_VALUES, "values"), (size, MOST_TEXT, "bytes of text")):
+        if found > share * most:
+            return f"has {found} {what}, {int(share * most)} are the most"
+    return ""
+
+
+def _values_in(text: str) -> int:
+    """The most values that a text of JSON can have."""
+    return sum(map(text.count, ",[{"))
 
 
 @dataclass(frozen=True)
@@ -39,7 +63,7 @@ class Facts:
     @classmethod
     def parse(cls, text: str, source: str, what: str = "RadTex sidecar") -> Facts:
         """Inverse of `json_text`. Raises FormatError if it is no JSON object, or has too many values."""
-        if sum(map(text.count, ",[{")) > _MOST_VALUES:
+        if _values_in(text) > MOST_VALUES:
             raise FormatError(f"{source} has more values than any {what}: bake it again")
         try:
             values = json.loads(text)

@@ -15,7 +15,7 @@ import numpy as np
 from ..core.arrays import Ints
 from ..core.errors import FormatError
 
-_RUN = re.compile(r"([1-9]\d{0,8})x([1-9]\d{0,9})")
+_RUN = re.compile(r"([1-9]\d{0,17})x([1-9]\d{0,9})")
 
 
 def count_text(counts: Ints) -> str:

@@ -8,16 +8,17 @@ Its keys are a contract with other programs: version 1 is in docs/format.md.
 from __future__ import annotations
 
 import hashlib
+import json
 import re
 import unicodedata
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ..core.errors import FormatError
+from ..core.errors import FormatError, InputError
 from .disk.atomic import write_text
 from .fingerprint import KEY, Fingerprint, fingerprint_in
-from .json_reader import Facts, json_text
+from .json_reader import Facts, excess, json_text, shown
 from .sidecar_file import AnySidecar, read_facts
 
 VERSION = 1
@@ -27,6 +28,7 @@ COLOR_SPACE = "Linear Rec.709"
 ALPHA = "premultiplied"
 
 _NAME_BYTES = 100  # leaves room for .kind.layer.exr in 143 bytes, the smallest limit of a filesystem in use
+_OF_FACTS = 0.5  # of what a sidecar may hold, the share of the facts that all layouts have
 _UNSAFE = re.compile(r'[<>:"/\\|?*]')
 _UNSAFE_CATEGORIES = {"Cc", "Cf", "Cs", "Zl", "Zp"}  # control, invisible, lone surrogates, line separators
 _RESERVED = re.compile(r"(con|prn|aux|nul|conin\$|conout\$|com[0-9¹²³]|lpt[0-9¹²³]) *(\.|$)", re.IGNORECASE)
@@ -284,6 +286,19 @@ def write_sidecar(path: Path, sidecar: Sidecar) -> None:
 def read_sidecar(sidecar: AnySidecar) -> Sidecar:
     """Read a sidecar's file. Raises FormatError, with the path, if it is missing or not one of ours."""
     return Sidecar.from_facts(read_facts(sidecar))
+
+
+def check_readable(sidecar: Sidecar) -> None:
+    """Make sure before a bake that its sidecar can be read after it, whatever its layout adds.
+
+    Raises InputError.
+    """
+    said = excess(json.dumps(sidecar.facts(), indent=2), _OF_FACTS)
+    if said:
+        raise InputError(
+            f"the sidecar of '{shown(sidecar.object_name)}' could not be read, it {said}: bake fewer "
+            "objects, or less of their surface, together"
+        )
 
 
 def preview_path(path: Path, kind: str, part: Part | None = None) -> Path:

@@ -31,6 +31,7 @@ from ..core.sampler import Filter
 from ..cycles.device import use_device
 from ..export.exporting import export_steps
 from ..formats.disk.temporary import temporary_folder
+from ..formats.sidecar import check_readable
 from ..formats.sidecar_file import read_facts
 from ..forms import form_for
 from ..forms.bake_job import BakeJob
@@ -353,6 +354,7 @@ def bake_unchecked(
             fingerprint=fingerprint_of_bake(scratch, name, spec, files),
             blend=(open_blend() if blend is None else blend).name,
         )
+        check_readable(prepared.facts(spec))
         if spec.density is not None:
             spec = prepared.sized(spec)
             check_memory(spec)

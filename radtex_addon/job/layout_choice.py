@@ -24,6 +24,7 @@ from ..core.messages import Setting, do
 from ..formats.disk.memory import readable_size
 from ..formats.sidecar_file import read_facts
 from ..forms import form_in as form_of_facts
+from ..forms.layered.files.sidecar import MOST_MATERIALS
 from ..scene.checks.see_through import why_no_surface
 from .output_files import OutputFiles
 from .variants import Bake
@@ -127,7 +128,16 @@ def _why_not_layered(spec: BakeSpec, cells: int | None) -> str:
 def _why_not_objects(scene: bpy.types.Scene, name: str, spec: BakeSpec) -> str:
     names = spec.objects or (name,) if spec.source is None else (spec.source,)
     wanted = [scene.objects[each] for each in names if each in scene.objects]
+    if spec.split is None and (count := _materials_of(wanted)) > MOST_MATERIALS:
+        return f"it has {count} materials, and layered holds {MOST_MATERIALS} in one atlas"
     return next(filter(None, (why_no_surface(scene, item) for item in wanted if item.type == "MESH")), "")
+
+
+def _materials_of(items: Sequence[bpy.types.Object]) -> int:
+    """How many materials the objects' atlas has at most, as far as their slots tell."""
+    if len(items) == 1:  # whose slots are counted, unused ones before used ones included
+        return len(items[0].material_slots)
+    return len({slot.material for item in items for slot in item.material_slots})
 
 
 @dataclass(frozen=True)

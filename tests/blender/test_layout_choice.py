@@ -18,7 +18,8 @@ from radtex_addon.bake.spec import BakeSpec, Compression, Kind, Layer, Layout, S
 from radtex_addon.cli.arguments import parse
 from radtex_addon.core.errors import InputError
 from radtex_addon.formats.sidecar import file_name
-from radtex_addon.job import Choice, choose_layout
+from radtex_addon.forms.layered import bake as layered
+from radtex_addon.job import Choice, OpenLayout, bake_object, choose_layout
 from tests.blender import stage
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
@@ -264,3 +265,25 @@ def test_other_frames_of_a_run_that_goes_on_are_alike(out: Path) -> None:
     assert second(resume=True, overwrite=True).layout is Layout.LAYERED
     finish(out, 1, bucket=14, layout="layered")
     assert (second(resume=True).layout, second(resume=True).bucket) == (Layout.LAYERED, 14)
+
+
+def test_more_materials_than_a_sidecar_holds_are_refused_before_the_first_ray(
+    out: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    stage.world()
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=33, y_subdivisions=32)
+    item: Any = bpy.context.object
+    for number in range(33 * 32):
+        item.data.materials.append(bpy.data.materials.new(f"No {number}"))
+    item.data.polygons.foreach_set("material_index", range(33 * 32))
+    spec = BakeSpec(layout=Layout.LAYERED, texels=64, samples=1, uv_layer="UVMap")
+    monkeypatch.setattr(layered, "capture_layered", None)  # nothing is captured
+    for resume in (False, True):
+        with pytest.raises(
+            InputError, match="has 1056 materials, the layered layout holds 1024 in one atlas"
+        ):
+            bake_object(context.scene, item.name, spec, out, resume=resume)
+    assert list(out.glob("*")) == []
+    assert choose_layout(context.scene, (item.name, BakeSpec()), OpenLayout(), out) == Choice(
+        BakeSpec(), "it has 1056 materials, and layered holds 1024 in one atlas"
+    )

@@ -100,7 +100,8 @@ def test_an_atlas_of_others_by_the_same_name_stays(saved: Saved, out: Path, batc
     assert batch(*shared).code == 0
     before = contents(out)
     ended = batch(blend, "--object=Ball", *QUICKEST, "--changed", "--out", out)
-    assert "is a bake of the atlas 'Ball' of Ball, Ball.Gold, not of object 'Ball'" in refusal(ended)
+    assert "is a bake of the atlas 'Ball' of Ball, Ball.Gold, not of object 'Ball'" in ended.err
+    assert ended.code == 2
     assert contents(out) == before
     assert batch(*shared, "--object=Ball-0001", "--changed").code == 0  # the same atlas, with one object more
 

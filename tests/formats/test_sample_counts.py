@@ -22,6 +22,11 @@ def test_what_is_written_is_read() -> None:
     np.testing.assert_array_equal(read_counts(count_text(counts), 53, 37, "here"), counts)
 
 
+def test_very_many_samples_are_read_too() -> None:
+    counts = np.array([[2**24 * 1000, 8]])
+    np.testing.assert_array_equal(read_counts(count_text(counts), 2, 1, "here"), counts)
+
+
 def test_equal_counts_need_no_words() -> None:
     assert not count_text(np.full((4, 5), 16))
 

@@ -14,11 +14,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from radtex_addon.core.errors import FormatError
+from radtex_addon.core.errors import BakeError, FormatError, InputError
+from radtex_addon.formats.json_reader import MOST_VALUES
 from radtex_addon.formats.sidecar import (
     Content,
     Sidecar,
     Source,
+    check_readable,
     file_name,
     read_sidecar,
     safe_name,
@@ -233,3 +235,18 @@ def test_how_far_ambient_rays_looked_comes_back() -> None:
 def test_a_frame_or_a_source_that_cannot_be_is_refused(changes: dict[str, Any], complaint: str) -> None:
     with pytest.raises(FormatError, match=complaint):
         Sidecar.from_json(altered(**changes))
+
+
+def test_what_no_reader_takes_is_refused_before_the_bake_and_never_written() -> None:
+    many = replace(SIDECAR, objects=tuple(map(str, range(MOST_VALUES))))
+    with pytest.raises(BakeError, match=f"values, {MOST_VALUES} are the most: nothing was written"):
+        many.to_json()
+    half = replace(SIDECAR, objects=tuple(map(str, range(MOST_VALUES // 2 + 1))))
+    assert Sidecar.from_json(half.to_json()) == half
+    with pytest.raises(InputError, match=r"could not be read, it has \d+ values"):
+        check_readable(half)  # its layout adds others
+
+
+def test_the_blend_comes_back_and_is_not_told_where_there_is_none() -> None:
+    assert Sidecar.from_json(replace(SIDECAR, blend="room.blend").to_json()).blend == "room.blend"
+    assert "blend" not in json.loads(SIDECAR.to_json())

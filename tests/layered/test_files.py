@@ -19,7 +19,7 @@ from radtex_addon.formats.containers.exr import Compression
 from radtex_addon.formats.sidecar import Sidecar
 from radtex_addon.forms.layered.files.arrangement import arranged, packed, tiled, unpacked, untiled
 from radtex_addon.forms.layered.files.layered_files import read_layered, write_layered
-from radtex_addon.forms.layered.files.sidecar import LayeredSidecar
+from radtex_addon.forms.layered.files.sidecar import MOST_MATERIALS, LayeredSidecar
 from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas, sample_layered
 from radtex_addon.forms.layered.lookup.ways import Through
 from tests.layered.made_up import made_up_atlas, made_up_fragments
@@ -172,3 +172,15 @@ def test_what_does_not_fit_is_not_written(atlas: LayeredAtlas, tmp_path: Path) -
     with pytest.raises(BakeError, match=r"own\.exr was not written"):
         write_layered(path, replace(atlas, own=own), _BAKE)
     assert not list(tmp_path.iterdir())
+
+
+def test_as_many_materials_as_a_sidecar_holds_come_back_and_more_are_refused(atlas: LayeredAtlas) -> None:
+    def of(count: int) -> LayeredAtlas:
+        return replace(
+            atlas, materials=atlas.materials[:1] * count, falloff=np.repeat(atlas.falloff[:1], count, axis=0)
+        )
+
+    made = LayeredSidecar.of(of(MOST_MATERIALS), _BAKE)
+    assert len(LayeredSidecar.from_json(made.to_json()).materials) == MOST_MATERIALS
+    with pytest.raises(BakeError, match=rf"{MOST_MATERIALS + 1} materials, a sidecar holds {MOST_MATERIALS}"):
+        LayeredSidecar.of(of(MOST_MATERIALS + 1), _BAKE)

@@ -11,6 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import bpy
+import numpy as np
 
 from ...bake.capture import Capture
 from ...bake.hidden_cells import HiddenCells
@@ -33,7 +34,7 @@ from ...cycles.portal import PortalCapture
 from ...formats.bucket_files import write_bands
 from ...formats.disk.memory import readable_size
 from ...formats.image_files import layer_path
-from ...formats.sidecar import Content, Sidecar
+from ...formats.sidecar import Content, Sidecar, check_readable
 from ...prepare.prepared import Prepared
 from ...scene.checks.enclosing_volumes import has_volumes
 from ...scene.proxy_content import show_content_only
@@ -71,6 +72,9 @@ def bake_buckets(job: BakeJob) -> Generator[Progress, None, Outcome]:
         return (yield from steps)
     chosen = chosen_texels(plan, texels, prepared.chosen, spec.where)
     again = Recapture(scratch, spec, spec.kind, texels, plan, hidden, earlier, chosen, folder)
+    if spec.accumulate:
+        expected = again.counts + np.where(chosen, spec.samples, 0)
+        check_readable(with_counts(facts, plan.placed(expected, gutter=True)))
     work = refreshed if spec.refresh else accumulated
     image, paths, counts = yield from work(again, store, job.thumbnail)
     whole = [_images(image, plan.layout, spec)]
@@ -171,6 +175,7 @@ def plan_buckets(
     if spec.kind.traits.content:
         named = show_content_only(scratch, prepared.original, spec.content)
         facts = replace(facts, content=Content(spec.content or "", named))
+        check_readable(facts)
     return plan, hidden, facts
 
 

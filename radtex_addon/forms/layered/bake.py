@@ -9,12 +9,15 @@ from dataclasses import replace
 
 from ...bake.progress import Progress, Stage
 from ...core.atlas import AtlasLayout
+from ...core.errors import InputError
+from ...core.messages import Setting, do
 from ...formats.image_files import layer_path
 from ..bake_job import BakeJob
 from ..outcome import Outcome
 from .accumulate import merged, read_earlier, seeded_anew
 from .capture.capturing import capture_layered, material_count
 from .files.layered_files import write_layered
+from .files.sidecar import MOST_MATERIALS
 from .fit.fitting import fit_layered
 from .fit.known import Known
 
@@ -23,6 +26,7 @@ def bake_layered(job: BakeJob) -> Generator[Progress, None, Outcome]:
     """As `Form.bake`; every finished capture is stored."""
     spec, prepared = job.spec, job.prepared
     facts, known = prepared.facts(spec), None
+    _check_materials(prepared.name, material_count(prepared))
     if spec.accumulate:
         atlas, samples = read_earlier(job.sidecar, facts, material_count(prepared))
         facts = replace(facts, samples=samples + spec.samples)
@@ -45,3 +49,13 @@ def bake_layered(job: BakeJob) -> Generator[Progress, None, Outcome]:
         paths=captured.paths,
         clamped=written.bake.clamped,
     )
+
+
+def _check_materials(name: str, count: int) -> None:
+    """Raise InputError for an atlas of more materials than a sidecar holds."""
+    if count > MOST_MATERIALS:
+        raise InputError(
+            f"'{name}' has {count} materials, the layered layout holds {MOST_MATERIALS} in one atlas",
+            do("choose layout buckets", Setting.LAYOUT, value="buckets"),
+            do("give each material its own atlas", Setting.SPLIT, value="material"),
+        )

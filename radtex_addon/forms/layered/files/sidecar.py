@@ -43,7 +43,8 @@ from .arrangement import (
 
 LAYOUT = "layered"
 _LARGEST, _MOST_LEVELS = 4096, 12  # of pictures
-_MOST_LAMPS, _MOST_MATERIALS = 1024, 1024
+_MOST_LAMPS = 1024
+MOST_MATERIALS = 1024  # of one atlas: a bake of more is refused before its first ray
 _MAPS = (TINT, NORMAL, WIDTH, ALPHA)
 
 
@@ -99,6 +100,12 @@ class LayeredSidecar:
         expected = (bake.height, bake.width)
         if atlas.irradiance.shape[:2] != expected:
             raise ShapeError(f"irradiance: expected shape {(*expected, 3)}, got {atlas.irradiance.shape}")
+        for found, most, what in (
+            (len(atlas.materials), MOST_MATERIALS, "materials"),
+            (len(atlas.around.lamps), _MOST_LAMPS, "lamps"),
+        ):
+            if found > most:
+                raise BakeError(f'"{bake.object_name}" has {found} {what}, a sidecar holds {most}')
         plane, things = near_layers(atlas)
         pictures = {WORLD: _picture(atlas.around.world)}
         pictures |= {
@@ -221,7 +228,7 @@ class LayeredSidecar:
         through = layered.inner("through") if "through" in layered.values else None
         plane = layered.inner("plane") if PLANE in found else None
         distances = layered.inner("distances") if THINGS in found else None
-        materials = _objects(layered, "materials", _MOST_MATERIALS)
+        materials = _objects(layered, "materials", MOST_MATERIALS)
         sidecar = cls(
             bake=bake,
             colour=layered.size("colour"),
