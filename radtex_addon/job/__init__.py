@@ -11,6 +11,7 @@ from .changed_bakes import Changes, changes
 from .checks import check_request
 from .layout_choice import Choice, OpenLayout, choose_layout, choose_layouts
 from .output_files import OutputFiles
+from .replaced_bake import Overwrite
 from .split_parts import part_specs
 
 __all__ = [
@@ -19,6 +20,7 @@ __all__ = [
     "Choice",
     "OpenLayout",
     "OutputFiles",
+    "Overwrite",
     "bake_object",
     "bake_steps",
     "changes",

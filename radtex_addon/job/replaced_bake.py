@@ -137,7 +137,8 @@ def reasons_to_ask(spec: BakeSpec, files: OutputFiles, overwrite: Overwrite) -> 
     found = []
     blend = _blend_at(files)
     if blend and _is_of_another(blend, overwrite.blend, files.sidecar.parent):
-        found.append(f"{files.sidecar} is a bake of {blend}, not of {overwrite.blend.name}")
+        own = overwrite.blend.name or "a file that was never saved"
+        found.append(f"{files.sidecar} is a bake of {blend}, not of {own}")
     if not (spec.accumulate or spec.refresh):
         with suppress(FormatError):
             there, new = Quality.in_facts(read_facts(files.sidecar)), Quality.of_spec(spec, overwrite.passes)
@@ -151,8 +152,10 @@ def _is_of_another(recorded: str, blend: Path, folder: Path) -> bool:
 
     In the file's own folder it does only if the other still lies beside it: else the file was renamed.
     """
-    if not blend.name or recorded == blend.name:
+    if recorded == blend.name:
         return False
+    if not blend.name:
+        return True
     own = folder.absolute() == own_folder(blend.absolute())
     return not own or blend.with_name(recorded).exists()
 

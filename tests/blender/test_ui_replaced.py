@@ -189,6 +189,10 @@ def test_a_job_says_so_once_other_files_are_in_the_place_of_its_own(out: Path, t
     assert {name for name, _ in drawn(0).buttons} == {"radtex.clear_jobs", "radtex.fold_map"}
     assert "radtex.export" in dict(drawn(1).buttons)
 
+    assert jobs_panel.job_title(jobs.snapshot()[1]) == "Card"
+    save(tmp_path / "b.blend")
+    assert jobs_panel.job_title(jobs.snapshot()[1]) == "Card (a.blend)"
+    save(tmp_path / "a.blend")
     arguments["job"] = jobs.snapshot()[1].number
     assert ops.radtex.bake(overwrite_any=True, samples=1) == {"FINISHED"}  # another process replaces that
     with pytest.raises(RuntimeError, match="he files of this job have been replaced by others since"):

@@ -43,7 +43,7 @@ def test_the_button_bakes_by_a_click(window: Window) -> None:
     during = window.picture("begun")
     told = wait_for_end(window)
     assert told.state == "done", told.message
-    assert {path.name for path in (window.folder / "radtex").iterdir()} == {
+    assert {path.name for path in (window.folder / "radtex" / "room").iterdir()} == {
         "Suzanne.radiance.exr",
         "Suzanne.radiance.json",
         "Suzanne.preview.blend",

@@ -43,7 +43,7 @@ def test_an_export_is_made_while_the_window_stays_alive(window: Window) -> None:
     window.ask("room.remember('before')")
     told = asked_for(window, "radtex.export(")
     assert told.state == "done", told.message
-    assert list((window.folder / "radtex").glob("*/*.glb"))
+    assert list((window.folder / "radtex" / "room").glob("*/*.glb"))
     assert window.value("room.changes('before')") == []
 
 
@@ -59,12 +59,12 @@ def test_the_dialog_is_about_the_object_that_it_was_opened_for(window: Window) -
         number += 1
         told = wait_for_end(window)
         assert told.state == "done", told.message
-    folders = {path.parent.name for path in (window.folder / "radtex").glob("*/*.glb")}
+    folders = {path.parent.name for path in (window.folder / "radtex" / "room").glob("*/*.glb")}
     assert {"Suzanne.web", "Suzanne.godot"} <= folders
 
 
 def test_a_page_opens_in_the_browser_once_it_is_exported(window: Window) -> None:
-    shutil.rmtree(window.folder / "radtex" / "Suzanne.web", ignore_errors=True)
+    shutil.rmtree(window.folder / "radtex" / "room" / "Suzanne.web", ignore_errors=True)
     (window.folder / "browser").write_text(f'#!/bin/sh\necho "$1" > {window.inside}/opened\n')
     (window.folder / "browser").chmod(0o755)
     window.ask(BROWSER.format(program=f"{window.inside}/browser"))

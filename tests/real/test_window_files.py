@@ -24,6 +24,6 @@ def test_files_are_saved_and_loaded_while_a_bake_goes_on(window: Window) -> None
     assert window.value("bpy.data.filepath") == ""
     told = wait_for_end(window, 280)
     assert told.state == "done", told.message
-    assert (window.folder / "radtex/Suzanne.preview.blend").is_file()
+    assert (window.folder / "radtex/room/Suzanne.preview.blend").is_file()
     window.ask(f"bpy.ops.wm.open_mainfile(filepath={window.inside + '/room.blend'!r})")
     preview(window, "Suzanne (baked)")

@@ -179,11 +179,11 @@ def test_the_dialog_exports_it(fresh: Window) -> None:
     keep(fresh, "export", _DIALOG)
     fresh.key("Return")
     ends(fresh, number)
-    assert (fresh.folder / "radtex/Vase.web/index.html").is_file()
+    assert (fresh.folder / "radtex/vase/Vase.web/index.html").is_file()
 
 
 def test_a_browser_shows_it(fresh: Window, root: Root, driver: BrowserType) -> None:
-    with served(fresh.folder / "radtex") as address, chromium(root, driver, *SOFTWARE_GL) as browser:
+    with served(fresh.folder / "radtex" / "vase") as address, chromium(root, driver, *SOFTWARE_GL) as browser:
         page = browser.new_context(viewport={"width": 1000, "height": 640}).new_page()
         page.set_default_timeout(120_000)
         page.goto(f"{address}/Vase.web/")

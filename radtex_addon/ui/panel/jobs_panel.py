@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import bpy
@@ -68,7 +69,11 @@ def job_title(job: Job) -> str:
     folders = set(job.order.facts.get("folders", ()))  # of a scene all bakes have the same
     if len(folders) > 1:
         name = iface_("{} bakes").format(len(folders))
-    return iface_(_TITLES[job.work]).format(name, _TARGETS.get(about, ""))
+    title = iface_(_TITLES[job.work]).format(name, _TARGETS.get(about, ""))
+    blend = job.order.facts.get("of_blend", "")
+    if blend and blend != bpy.data.filepath:  # another file was opened since
+        return f"{title} ({Path(blend).name})"
+    return title
 
 
 def phrase(job: Job) -> str:
