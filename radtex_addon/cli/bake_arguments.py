@@ -46,8 +46,9 @@ def _add_objects(group: argparse._ArgumentGroup, inside_blender: bool) -> None:
         "--collection",
         action="append",
         metavar="NAME",
-        help="bake all meshes of the collection and of those in it that are seen in renders, by name; may be "
-        "given several times, and beside --object",
+        help="bake all meshes of the collection and of those in it, by name; what cannot be baked, such as "
+        "what is hidden from render, is left out with a line that says why; may be given several times, and "
+        "beside --object",
     )
     group.add_argument(
         "--together",

@@ -1,22 +1,54 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The objects of the collections that a command line names."""
+"""The objects of the collections that a command line names, and a line on those that are left out."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 
 import bpy
 
-from ..preview.collection_meshes import meshes_named
+from ..core.errors import InputError
+from ..core.messages import Message
+from ..job.left_out import find_bakeable, left_out_lines
+from ..preview.collection_meshes import objects_named
 from .arguments import Request
+from .reporting import Report
+from .wording import told
+
+_NO_SURFACE = frozenset(("LIGHT", "LIGHT_PROBE", "CAMERA", "ARMATURE", "LATTICE", "SPEAKER"))
 
 
-def with_collections(scene: bpy.types.Scene, request: Request) -> Request:
+def with_collections(scene: bpy.types.Scene, request: Request, report: Report) -> Request:
     """The request with the meshes of its collections behind the objects that it names, each once.
 
-    Raises InputError for a collection that is not there or has no mesh.
+    What cannot be baked of a collection is left out, and `report` says why; objects that are named are not
+    looked at. Raises InputError for a collection that is not there or has no mesh, and if nothing is left.
     """
-    found = (item.name for name in request.collections for item in meshes_named(scene, name))
-    objects = tuple(dict.fromkeys((*request.bakes.objects, *found)))
-    return replace(request, bakes=replace(request.bakes, objects=objects), collections=())
+    bakes = request.bakes
+    if not request.collections:
+        return request
+    inside = [item for name in request.collections for item in objects_named(scene, name)]
+    inside = [item for item in dict.fromkeys(inside) if item.name not in bakes.objects]
+    surfaces = [item.name for item in inside if not _has_no_surface(item)]
+    found = find_bakeable(
+        scene, surfaces, bakes.spec, preview=bakes.saves_preview, now=not bakes.frames, evaluate=True
+    )
+    if found.left_out and not found.kept and not bakes.objects:
+        raise InputError.of(found.left_out[0].why)
+    for line in left_out_lines(found.left_out):
+        report.event("warning", **told(line))
+    _tell_others([item.name for item in inside if _has_no_surface(item)], report)
+    return replace(request, bakes=replace(bakes, objects=(*bakes.objects, *found.kept)), collections=())
+
+
+def _has_no_surface(item: bpy.types.Object) -> bool:
+    """Whether nobody expects a bake of an object of this sort; an empty may show instances."""
+    return item.type in _NO_SURFACE or (item.type == "EMPTY" and item.instance_type == "NONE")
+
+
+def _tell_others(names: Iterable[str], report: Report) -> None:
+    listed = ", ".join(f"'{name}'" for name in names)
+    if listed:
+        report.event("note", **told(Message(f"left out, as they have no surface: {listed}")))

@@ -46,7 +46,7 @@ _NAME = 255  # most bytes in a file name
 def run_bake(request: Request, report: Report, interruption: Interruption) -> None:
     """Bake each object and report the results. Raises RadTexError."""
     scene = open_asked(request, interruption)
-    request = with_collections(scene, request)
+    request = with_collections(scene, request, report)
     with serving(request.bakes.folder, request.serve) as port:
         pages = _bake(scene, request, report, interruption, "")
         for page in pages if port is not None else ():

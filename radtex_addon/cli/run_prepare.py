@@ -25,7 +25,7 @@ _LISTED = 20  # most files listed in the summary
 def run_prepare(request: Request, report: Report, interruption: Interruption) -> None:
     """Write the farm's folder and print the commands that render it. Raises RadTexError."""
     scene = open_asked(request, interruption)
-    request = with_collections(scene, request)
+    request = with_collections(scene, request, report)
     asked = request.bakes.asked(scene)
     if len(asked) > 1:
         raise InputError(

@@ -28,12 +28,13 @@ def meshes_of(
     return sorted(seen, key=lambda item: item.name)
 
 
-def meshes_named(
+def objects_named(
     scene: bpy.types.Scene, collection: str, view_layer: str | None = None
 ) -> tuple[bpy.types.Object, ...]:
-    """The meshes of the scene's collection of that name, as `meshes_of` finds them; originals, not previews.
+    """All objects of the scene's collection of that name, sorted by name; originals, not previews.
 
-    Raises InputError, which lists the scene's collections, if there is none of that name or it has no mesh.
+    Raises InputError, which lists the scene's collections, if there is none of that name, or if it has no
+    mesh that `meshes_of` finds.
     """
     layer = find_view_layer(scene, view_layer)
     known = {each.name: each for each in _collections(scene)}
@@ -41,11 +42,11 @@ def meshes_named(
         raise InputError(
             f"there is no collection '{collection}' in scene '{scene.name}': it has {_listed(list(known))}"
         )
-    found = tuple(meshes_of(known[collection], layer))
-    if not found:
+    if not meshes_of(known[collection], layer):
         others = [name for name, each in known.items() if meshes_of(each, layer)]
         remedy = f"those that have some are {_listed(others)}" if others else "no collection has any"
         raise InputError(f"collection '{collection}' has no mesh that is seen in renders: {remedy}")
+    found = sorted(known[collection].all_objects, key=lambda item: item.name)
     return tuple(dict.fromkeys(original_of(item) or item for item in found))
 
 

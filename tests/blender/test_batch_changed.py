@@ -71,6 +71,47 @@ def test_objects_of_a_collection_can_share_an_atlas(blend: Path, out: Path, batc
     assert said == ["All: not baked yet, baking", "All: unchanged", "All: moved, baking again"]
 
 
+def test_what_cannot_be_baked_of_a_collection_is_left_out_with_a_line_and_what_is_named_refused(
+    blend: Path, out: Path, batch: Batch
+) -> None:
+    things, small = bpy.data.collections["Things"], bpy.data.collections["Small"]
+    for name in ("Empty Mesh", "Empty Too"):
+        things.objects.link(bpy.data.objects.new(name, bpy.data.meshes.new(name)))
+    bpy.data.objects["Ball"].scale.y = 0
+    bpy.ops.curve.primitive_bezier_circle_add()
+    things.objects.link(context.object)
+    bpy.ops.object.light_add()
+    small.objects.link(context.object)
+    context.view_layer.layer_collection.children["Empty"].exclude = True
+    bpy.ops.mesh.primitive_plane_add()
+    excluded = context.object
+    excluded.name = "Excluded"
+    bpy.data.collections["Empty"].objects.link(excluded)
+    context.scene.collection.objects.unlink(excluded)
+    ended = batch(saved(blend), "--collection=Scene Collection", *QUICK, "--out", out)
+    assert ended.code == 0, ended.err
+    assert sorted(path.name for path in out.glob("*.json")) == ["Cup.radiance.json", "Table.radiance.json"]
+    lines = [line for line in ended.err.splitlines() if "left out" in line]
+    told = {item.name: sum(f"'{item.name}'" in line for line in lines) for item in bpy.data.objects}
+    assert told == {name: name not in ("Cup", "Table") for name in told}, ended.err
+    for words in (
+        "'Cutter' is hidden from render: enable it in renders",
+        "'Empty Mesh' has no faces in renders: give it some, or name another; likewise 'Empty Too'",
+        "'Ball' is scaled to nothing along an axis",
+        "'BézierCircle' is a curve, not a mesh: convert it",
+        "include its collection 'Empty'",
+        "as they have no surface: 'Point'",
+    ):
+        assert sum(words in line for line in lines) == 1, (words, lines)
+    before = contents(out)
+    named = batch(blend, "--object=Cutter", "--collection=Small", *QUICK, "--out", out, "--overwrite")
+    assert (named.code, "object 'Cutter' is hidden from render" in named.err) == (2, True)
+    bpy.data.objects["Cup"].visible_camera = False
+    none = batch(saved(blend), "--collection=Small", *QUICK, "--out", out, "--overwrite")
+    assert "'Cup' would be see-through" in refusal(none)
+    assert contents(out) == before
+
+
 @pytest.mark.parametrize(
     ("name", "said"),
     [

@@ -86,10 +86,11 @@ def test_all_selected_meshes_are_baked_or_the_one_that_is_named(out: Path) -> No
 
 def test_nothing_is_baked_where_one_of_them_would_fail(out: Path) -> None:
     plane("A")
+    context.object.data.uv_layers.new(name="Own")
     plane("B", at=5)
-    context.object.hide_render = True
+    settings().uv_layer = "Own"
     bpy.ops.object.select_all(action="SELECT")
-    with pytest.raises(RuntimeError, match="Object 'B' is hidden from render"):
+    with pytest.raises(RuntimeError, match="Object 'B' has no UV layer 'Own'"):
         ops.radtex.bake(**TINY)
     assert not out.exists()
 

@@ -20,10 +20,11 @@ from radtex_addon.textures.export_spec import ExportSpec, Target
 from radtex_addon.ui.jobs import jobs
 from radtex_addon.ui.operators.export_sources import export_sources, place_for, submit
 from radtex_addon.ui.panel import panel_state
+from radtex_addon.ui.panel.draw_messages import left_out_of
 from radtex_addon.ui.panel.jobs_panel import job_title
 from radtex_addon.ui.panel.main_panel import what_is_there
 from radtex_addon.ui.panel.panel_state import Forecast, Next
-from radtex_addon.ui.settings.chosen_objects import chosen_by, chosen_names
+from radtex_addon.ui.settings.chosen_objects import chosen_by, chosen_names, told_names
 from radtex_addon.ui.settings.object_settings import by_settings
 from radtex_addon.ui.settings.request import request_of, spec_of, values_of
 from tests.blender import stage
@@ -348,3 +349,153 @@ def written(folder: Path) -> dict[str, int]:
         path.name.removesuffix(".radiance.json"): path.stat().st_mtime_ns
         for path in sorted(folder.glob("*.json"))
     }
+
+
+def bare(name: str, corners: list[tuple[float, float, float]]) -> Any:
+    """A mesh object of one face, or of none."""
+    data = bpy.data.meshes.new(name)
+    data.from_pydata(corners, [], [tuple(range(len(corners)))] if corners else [])
+    made = bpy.data.objects.new(name, data)
+    context.scene.collection.objects.link(made)
+    return made
+
+
+def no_geometry() -> Any:
+    """A group of geometry nodes that makes nothing of what it gets."""
+    nodes: Any = bpy.data.node_groups.new("Nothing", "GeometryNodeTree")
+    nodes.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+    nodes.nodes.new("NodeGroupOutput")
+    return nodes
+
+
+def unbakeable() -> dict[str, str]:
+    """Objects that cannot be baked, each for another reason, and words of that reason; none is a mistake."""
+    corners = [(0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)]
+    plane("Cutter").hide_render = True
+    bare("Empty Mesh", [])
+    bare("Not Finite", [(float("nan"), 0, 0), *corners[1:]])
+    bare("Flat", corners).scale.z = 0
+    bare("Point", [(0, 0, 0)] * 3)
+    plane("Unseen").visible_camera = False
+    bumped = stage.material("Bumped", "ShaderNodeBsdfDiffuse")
+    tree: Any = bumped.node_tree
+    tree.links.new(
+        tree.nodes.new("ShaderNodeDisplacement").outputs[0], tree.nodes["Material Output"].inputs[2]
+    )
+    bumped.displacement_method = "DISPLACEMENT"
+    plane("Displaced").data.materials.append(bumped)
+    instancer = plane("Instancer")
+    instancer.instance_type, instancer.show_instancer_for_render = "FACES", False
+    plane("Vanished").modifiers.new("Nothing", "NODES").node_group = no_geometry()
+    dark = bpy.data.collections.new("Dark")
+    context.scene.collection.children.link(dark)
+    dark.hide_render = True
+    plane("In the Dark", dark)
+    return {
+        "Cutter": "is hidden from render: enable it in renders",
+        "Empty Mesh": "has no faces in renders",
+        "Not Finite": "coordinates are not finite",
+        "Flat": "is scaled to nothing along an axis",
+        "Point": "has faces, but no area",
+        "Unseen": "cameras do not see it",
+        "Displaced": "displaces the surface",
+        "Instancer": "it is an instancer",
+        "Vanished": "has no faces in renders",
+        "In the Dark": "enable its collection 'Dark' in renders",
+    }
+
+
+def lines_of(found: Forecast) -> dict[str, str]:
+    """What the panel says of each object that is left out."""
+    return {one.name: str(one.why) for one in found.left_out}
+
+
+def test_what_cannot_be_baked_is_left_out_of_all_that_is_selected(
+    out: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    wanted = unbakeable()
+    plane("Cup")
+    bpy.ops.object.light_add()
+    bpy.ops.object.empty_add()
+    bpy.ops.curve.primitive_bezier_circle_add()
+    bpy.ops.object.select_all(action="SELECT")
+    found = seen()
+    assert (found.objects, found.errors, found.next, found.bakes) == (("Cup",), (), Next.BAKE, 1)
+    told = lines_of(found)
+    assert told.keys() == wanted.keys()
+    for name, words in wanted.items():
+        assert f"'{name}'" in told[name]
+        assert words in told[name]
+    assert len(left_out_of(found)) == len(wanted) - 1  # the two without faces share a line
+    assert len(found.not_baked) == 2  # of the curve, and of the others
+
+    assert ops.radtex.bake(expected=told_names(found.chosen)) == {"FINISHED"}
+    said = capfd.readouterr().out
+    assert list(written(out)) == ["Cup"]
+    for name in wanted:
+        assert sum(f"'{name}'" in line for line in said.splitlines()) == 1, name
+    assert ops.radtex.bake(only="changed") == {"FINISHED"}
+    assert ops.radtex.estimate() == {"FINISHED"}
+    with pytest.raises(RuntimeError, match="'Cutter' is hidden from render"):
+        ops.radtex.bake(object="Cutter")  # which is named
+
+    bpy.data.objects["Cup"].select_set(False)
+    context.view_layer.objects.active = bpy.data.objects["Cutter"]
+    found = seen()
+    assert (found.next, len(found.errors), found.left_out) == (Next.NOTHING, len(wanted) - 1, ())
+    with pytest.raises(RuntimeError, match="in renders"):
+        ops.radtex.bake(overwrite=True)
+
+
+def test_a_list_leaves_out_what_cannot_be_baked_and_what_is_not_in_the_view_layer(out: Path) -> None:
+    away, other = bpy.data.collections.new("Away"), bpy.data.scenes.new("Other")
+    context.scene.collection.children.link(away)
+    for name in ("Cutter", "Excluded", "Elsewhere", "Cup"):
+        bpy.ops.object.select_all(action="DESELECT")
+        plane(name, away if name == "Excluded" else None).select_set(True)
+        assert ops.radtex.list_add() == {"FINISHED"}
+    bpy.data.objects["Cutter"].hide_render = True
+    context.view_layer.layer_collection.children["Away"].exclude = True
+    context.scene.collection.objects.unlink(bpy.data.objects["Elsewhere"])
+    other.collection.objects.link(bpy.data.objects["Elsewhere"])
+    bpy.ops.object.light_add()
+    chosen_by(context.scene).listed.add().item = context.object  # as a script may
+    chosen_by(context.scene).source = "list"
+    found = seen()
+    assert (found.objects, found.errors, found.next) == (("Cup",), (), Next.BAKE)
+    told = lines_of(found)
+    assert "enable it in renders" in told["Cutter"]
+    assert "include its collection 'Away'" in told["Excluded"]
+    assert "is not in scene 'Scene'" in told["Elsewhere"]
+    assert "is a light, not a mesh" in told["Point"]
+    assert ops.radtex.bake() == {"FINISHED"}
+    assert list(written(out)) == ["Cup"]
+    chosen_by(context.scene).listed[3].use = False
+    assert (seen().next, len(seen().errors)) == (Next.NOTHING, 4)
+
+
+def test_a_collections_meshes_that_cannot_be_baked_are_left_out(out: Path) -> None:
+    chosen_by(context.scene).collection = kitchen()
+    chosen_by(context.scene).source = "collection"
+    bpy.data.objects["Cup 1"].scale.x = 0
+    bpy.data.objects["Plate"].visible_camera = False
+    found = seen()
+    assert (found.objects, found.next) == (("Cup 2",), Next.BAKE)
+    assert ops.radtex.bake() == {"FINISHED"}
+    assert list(written(out)) == ["Cup 2"]
+
+
+def test_a_fault_of_the_viewport_alone_leaves_nothing_out() -> None:
+    """Renders show faces that the viewport lacks."""
+    shown = plane("Shown Later")
+    nodes = no_geometry()
+    modifier = shown.modifiers.new("Nothing", "NODES")
+    modifier.node_group = nodes
+    modifier.show_render = False
+    plane("Cup")
+    bpy.ops.object.select_all(action="SELECT")
+    assert seen().objects == ("Cup", "Shown Later")
+    modifier.show_render = True
+    assert seen().objects == ("Cup",)
+    nodes.nodes.new("GeometryNodeIsViewport")
+    assert seen().objects == ("Cup", "Shown Later")

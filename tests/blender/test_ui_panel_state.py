@@ -135,13 +135,15 @@ def test_bakes_that_are_shown_are_known(tmp_path: Path) -> None:
     plane("B")
     context.object.hide_render = True
     bpy.ops.object.select_all(action="SELECT")
-    assert (seen().shown, len(seen().errors)) == (("A",), 1)
+    assert (seen().objects, seen().shown, seen().errors) == (("A",), ("A",), ())
+    assert [one.name for one in seen().left_out] == ["B"]
 
 
 def test_what_no_setting_settles_is_not_offered_to_be(tmp_path: Path) -> None:
     plane("A")
-    plane("B")
-    context.object.hide_render = True
+    context.object.data.uv_layers.new(name="Own")
+    plane("B")  # which lacks it
+    settings().uv_layer = "Own"
     bpy.ops.object.select_all(action="SELECT")
     assert (len(seen().errors), seen().next) == (1, Next.NOTHING)
     (tmp_path / "out").mkdir()

@@ -9,7 +9,7 @@ moment: it renders nothing and reads the mesh.
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, cast
@@ -21,12 +21,14 @@ import numpy.typing as npt
 from ...core.arrays import Bools, Floats, Ints, blocks
 from ...core.errors import BakeError, InputError
 from ...core.frame import normalised
+from ...core.messages import Message
 from ..checks.missing_files import failed_drivers
 from ..checks.refusals import refuse_adaptive_subdivision, refuse_displacement
 from ..made_of import drifts, made_of
 from ..scratch import render_scene
 from .attribute_arrays import ATTRIBUTE_LAYOUT
 from .extent import check_extent
+from .mesh_checks import FARTHEST, check_area, check_matrix, check_positions, no_faces
 
 log = logging.getLogger(__name__)
 
@@ -38,7 +40,6 @@ _TINY = {  # settings of the private engine's render, whose picture is not used
     "resolution_percentage": 100,
     "use_border": False,
 }
-FARTHEST = 1e18  # the squares of larger coordinates are not finite in float32
 _OWN = frozenset({"position", "custom_normal"})  # attributes that are fields of EvaluatedMesh
 
 
@@ -126,20 +127,77 @@ def evaluate(scratch: bpy.types.Scene, original: bpy.types.Object) -> EvaluatedM
 
     def read(depsgraph: bpy.types.Depsgraph) -> None:
         rendered, instances = find_rendered(depsgraph, original)
-        if rendered is None:
-            raise InputError(f"object '{original.name}' is hidden from render: nothing shows it there")
-        refuse_adaptive_subdivision(rendered, depsgraph.scene)
         for complaint in failed_drivers(depsgraph.ids):
             log.warning(complaint)
-        found.append(_read_object(original.name, rendered, instances))
+        found.append(_read_checked(depsgraph, original, rendered, instances))
 
     render_with(scratch, read)
-    mesh = found[0]
+    _check(found[0])
+    return found[0]
+
+
+def why_not_evaluated(
+    scratch: bpy.types.Scene, originals: Collection[bpy.types.Object]
+) -> dict[bpy.types.Object, Message]:
+    """Those of the `originals` for which `evaluate` would raise InputError, or that have no area; and why.
+
+    The scene is evaluated once for all of them.
+    """
+    found: dict[bpy.types.Object, Message] = {}
+
+    def read(depsgraph: bpy.types.Depsgraph) -> None:
+        seen = _rendered_among(depsgraph, set(originals))
+        for original in originals:
+            try:
+                mesh = _read_checked(depsgraph, original, *seen.get(original, (None, 0)))
+                _check(mesh, warns=False)  # the bake will
+                check_area(mesh.name, mesh.world_position, mesh.triangles)
+            except InputError as error:
+                found[original] = error.message
+
+    render_with(scratch, read)
+    return found
+
+
+def _read_checked(
+    depsgraph: bpy.types.Depsgraph,
+    original: bpy.types.Object,
+    rendered: bpy.types.Object | None,
+    instances: int,
+) -> EvaluatedMesh:
+    if rendered is None:
+        raise InputError(f"object '{original.name}' is hidden from render: nothing shows it there")
+    refuse_adaptive_subdivision(rendered, depsgraph.scene)
+    return _read_object(original.name, rendered, instances)
+
+
+def _check(mesh: EvaluatedMesh, *, warns: bool = True) -> None:
     shown = [mesh.materials[index] for index in np.unique(mesh.material_index) if mesh.materials]
     refuse_displacement(mesh.name, shown)
-    _check_transform(mesh)
-    check_extent(mesh.name, mesh.world_position)
-    return mesh
+    if not (np.abs(mesh.normal) < FARTHEST).all():
+        raise InputError(f"object '{mesh.name}' has normals that are not finite: clear its custom normals")
+    check_matrix(mesh.name, mesh.matrix_world)
+    check_extent(mesh.name, mesh.world_position, warns=warns)
+
+
+def _rendered_among(
+    depsgraph: bpy.types.Depsgraph, originals: Collection[bpy.types.Object]
+) -> dict[bpy.types.Object, tuple[bpy.types.Object | None, int]]:
+    """For each of the objects that shows anything, what `find_rendered` tells of it."""
+    shown: set[bpy.types.Object] = set()
+    instances: dict[bpy.types.Object, int] = {}
+    for item in depsgraph.object_instances:
+        of = item.parent if item.is_instance else item.object
+        original = cast("bpy.types.Object | None", of.original if of is not None else None)
+        if original not in originals or original is None:
+            continue
+        if item.is_instance:
+            instances[original] = instances.get(original, 0) + 1
+        elif item.show_self:
+            shown.add(original)
+    evaluated = {original: original.evaluated_get(depsgraph) for original in shown}
+    every = shown | instances.keys()
+    return {original: (evaluated.get(original), instances.get(original, 0)) for original in every}
 
 
 def find_rendered(
@@ -217,8 +275,7 @@ def _read_object(name: str, rendered: bpy.types.Object, instances: int) -> Evalu
 
 def _read_mesh(name: str, mesh: bpy.types.Mesh, rendered: bpy.types.Object, instances: int) -> EvaluatedMesh:
     if len(mesh.polygons) == 0:
-        hint = "add Realize Instances to its modifiers" if instances else "give it some, or name another"
-        raise InputError(f"object '{name}' has no faces in renders: {hint}")
+        raise no_faces(name, instances)
     mesh.calc_loop_triangles()
     count = len(mesh.loop_triangles)
     vertices = _bulk(mesh.loop_triangles, "vertices", count, 3, np.int32)
@@ -226,7 +283,7 @@ def _read_mesh(name: str, mesh: bpy.types.Mesh, rendered: bpy.types.Object, inst
     faces = _bulk(mesh.loop_triangles, "polygon_index", count, 1, np.int32)[:, 0]
     used, triangles = _used(vertices, len(mesh.vertices))
     positions = _bulk(mesh.vertices, "co", len(mesh.vertices), 3, np.float32)
-    _check_positions(name, positions[used])
+    check_positions(name, positions[used])
     take = {"POINT": used, "CORNER": corners, "FACE": faces}
     materials = tuple(slot.material.original if slot.material else None for slot in rendered.material_slots)
     index = _bulk(mesh.polygons, "material_index", len(mesh.polygons), 1, np.int32)[faces, 0]
@@ -310,19 +367,3 @@ def _any_sharp_edge(mesh: bpy.types.Mesh) -> bool:
 
 def _sharp_faces(mesh: bpy.types.Mesh) -> Bools:
     return ~_bulk(mesh.polygons, "use_smooth", len(mesh.polygons), 1, np.bool_)[:, 0]
-
-
-def _check_positions(name: str, positions: Floats) -> None:
-    bad = int(np.count_nonzero(~(np.abs(positions) < FARTHEST).all(axis=1)))
-    if bad:
-        raise InputError(f"object '{name}' has {bad} vertices whose coordinates are not finite: delete them")
-
-
-def _check_transform(mesh: EvaluatedMesh) -> None:
-    if not (np.abs(mesh.normal) < FARTHEST).all():
-        raise InputError(f"object '{mesh.name}' has normals that are not finite: clear its custom normals")
-    if not np.isfinite(mesh.matrix_world).all():
-        raise InputError(f"object '{mesh.name}' has a transform that is not finite: reset it")
-    stretch = np.linalg.svd(mesh.matrix_world[:3, :3], compute_uv=False)
-    if stretch[-1] <= 1e-9 * stretch[0]:
-        raise InputError(f"object '{mesh.name}' is scaled to nothing along an axis: give every axis a scale")

@@ -22,11 +22,11 @@ _OFF = 0.05  # times the diagonal: rays that start farther from the surface may 
 _LOST = 5.0  # times the diagonal: beyond this, float32 has too few different values across the object
 
 
-def check_extent(name: str, position: Floats) -> None:
+def check_extent(name: str, position: Floats, *, warns: bool = True) -> None:
     """Check that rays can start at an object's vertices (V, 3), in world space.
 
     Raises InputError if the object is too small, too large, or much too far from the origin for its size; if
-    it is somewhat too far, logs a warning.
+    it is somewhat too far, logs a warning, if `warns`.
     """
     diagonal = float(np.linalg.norm(position.max(axis=0) - position.min(axis=0)))
     if diagonal == 0:
@@ -45,6 +45,8 @@ def check_extent(name: str, position: Floats) -> None:
         raise InputError(
             f"{place}: Cycles rounds coordinates too much there; move the scene nearer to the origin"
         )
+    if not warns:
+        return
     log.warning(
         "%s: Cycles rounds coordinates there, rays start %.2g from the surface; move the scene to the origin",
         place,

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from math import inf
 from typing import TYPE_CHECKING, Any, cast
 
 import bpy
@@ -166,6 +167,8 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
             names = self._names(scene, layer, at_once)
             if self.show_object and self.only == "all":
                 _show_objects(scene, names)
+            if not self.object:
+                names = self._bakeable(scene, names, at_once)
             plans = self._plans(scene, names)
             if self.show_object and self.only != "all":
                 replaced = [bake for plan in plans for bake in plan.replaced]
@@ -193,6 +196,33 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
             raise InputError("other objects are chosen by now: look at the panel, and press again")
         return names if self.object or at_once else _free(scene, names)
 
+    def _bakeable(self, scene: bpy.types.Scene, names: tuple[str, ...], at_once: bool) -> tuple[str, ...]:
+        """Those that can be baked; reports why the others are left out. Raises InputError if none can."""
+        from ...core.errors import InputError
+        from ...job.left_out import left_out_lines
+        from ..panel.request_checks import sort_out
+
+        found = sort_out(
+            scene,
+            names,
+            self._values,
+            shows_objects=self.show_object,
+            patience=inf if at_once else _PATIENCE,
+            evaluate=at_once,
+        )
+        if names and not found.kept:
+            raise InputError.of(found.left_out[0].why)
+        for line in left_out_lines(found.left_out):
+            self.report({"INFO"}, remark(line))
+        return found.kept
+
+    def _values(self, settings: BakeSettings) -> dict[str, Any]:
+        """The values of settings, overridden by the operator's own."""
+        from ..settings.values import values_with
+
+        given = [name for name in NAMES if self.properties.is_property_set(name)]
+        return values_with(settings, self, given)
+
     def _tell(self, plan: BakePlan) -> None:
         """Report what a plan leaves out or chooses."""
         for told in (*plan.change_lines, plan.skipped, *plan.layout_lines):
@@ -209,15 +239,11 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
         from ..panel.request_checks import all_finished, check_left
         from ..settings.object_settings import by_settings
         from ..settings.request import request_of
-        from ..settings.values import values_with
 
         if not names:
             raise InputError(nothing_chosen(scene))
-        given = [name for name in NAMES if self.properties.is_property_set(name)]
-        requests = [
-            request_of(values_with(settings, self, given), group)
-            for settings, group in by_settings(scene, names)
-        ]
+        groups = by_settings(scene, names)
+        requests = [request_of(self._values(settings), group) for settings, group in groups]
         if self.only != "all":
             requests = [_of_changed(request, surroundings=self.only == "affected") for request in requests]
         if self.overwrite_any:

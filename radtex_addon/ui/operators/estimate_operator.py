@@ -56,13 +56,17 @@ def _bakes(scene: bpy.types.Scene, names: tuple[str, ...]) -> list[Bake]:
     """Names and specifications of the bakes; raises InputError for those that have no estimate."""
     from ...core.errors import InputError
     from ..panel.layouts import chosen_layouts
+    from ..panel.request_checks import sort_out
     from ..settings.object_settings import by_settings
     from ..settings.values import spec_of, values_of
 
     if not names:
         raise InputError(nothing_chosen(scene))
+    found = sort_out(scene, names)
+    if not found.kept:
+        raise InputError.of(found.left_out[0].why)
     bakes: list[Bake] = []
-    for settings, group in by_settings(scene, names):
+    for settings, group in by_settings(scene, found.kept):
         values = values_of(settings)
         spec = spec_of(values)
         if spec.split is not None:

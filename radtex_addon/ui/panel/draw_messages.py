@@ -51,12 +51,26 @@ def wrapped(text: str, room: float) -> list[str]:
     return lines
 
 
+def left_out_of(found: Forecast) -> tuple[Message, ...]:
+    """Lines on the meshes that a bake leaves out; none are loaded before the first."""
+    if not found.left_out:
+        return ()
+    from ...job.left_out import left_out_lines
+
+    return left_out_lines(found.left_out)
+
+
 def draw_remarks(layout: Any, scene: bpy.types.Scene, settings: BakeSettings, found: Forecast) -> None:
-    """Draw errors, what settles them, and warnings; `settings` are those that the panel shows."""
+    """Draw errors, what settles them, what is left out, and warnings.
+
+    `settings` are those that the panel shows.
+    """
     for message in found.errors:
         box = layout.box()
         draw_text(box, remark(message, found.folder), "ERROR")
         _draw_offers(box, scene, message, found)
+    for message in left_out_of(found):
+        draw_text(layout.box(), remark(message, found.folder), "INFO")
     for other in found.not_baked:
         box = layout.box()
         draw_text(box, other.text, "INFO")

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from ...bake.estimate import Basis
     from ...bake.spec import BakeSpec
     from ...job.bake_request import BakeRequest
+    from ...job.left_out import LeftOut
     from .layouts import Chosen
 
 _PATIENCE = 0.05  # seconds that examining the objects may take
@@ -31,10 +32,14 @@ def compute_forecast(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) ->
     from ..jobs.jobs import is_being_baked, look_at_files
     from ..settings.object_settings import by_settings, settings_for
     from ..settings.values import values_of
+    from .request_checks import sort_out
 
     look_at_files()
-
-    names = chosen_names(scene, view_layer)
+    chosen = chosen_names(scene, view_layer)
+    sorted_out = sort_out(scene, chosen, patience=_PATIENCE)
+    names, left_out = sorted_out.kept, sorted_out.left_out
+    if left_out and not names:
+        return _of_none(scene, view_layer, chosen, left_out)
     busy = tuple(name for name in names if is_being_baked(name, settings_for(scene, name)))
     free = tuple(name for name in names if name not in busy)
     groups = [(values_of(settings), group) for settings, group in by_settings(scene, free or names)]
@@ -48,7 +53,24 @@ def compute_forecast(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) ->
         found = replace(found, errors=(), next=Next.WAIT)
     shown = tuple(name for name in free if is_on(scene.objects[name]))
     others = not_baked(_selected(scene, view_layer))
-    return replace(found, objects=names, busy=busy, shown=shown, not_baked=others)
+    return replace(found, objects=names, busy=busy, shown=shown, not_baked=others, left_out=left_out)
+
+
+def _of_none(
+    scene: bpy.types.Scene,
+    view_layer: bpy.types.ViewLayer,
+    chosen: tuple[str, ...],
+    left_out: Sequence[LeftOut],
+) -> Forecast:
+    """The forecast where none of the chosen objects can be baked: the reasons are errors."""
+    from ...job.left_out import reasons
+    from ..settings.object_settings import settings_for
+    from ..settings.values import values_of
+
+    found = _of_group(scene, (), values_of(settings_for(scene, chosen[0])), _PATIENCE)
+    errors = dict.fromkeys((*found.errors, *reasons(left_out)))
+    others = not_baked(_selected(scene, view_layer))
+    return replace(found, objects=chosen, errors=tuple(errors), next=Next.NOTHING, not_baked=others)
 
 
 def _selected(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Sequence[bpy.types.Object]:

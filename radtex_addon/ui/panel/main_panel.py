@@ -170,7 +170,7 @@ def _draw_bake(
     """Draw a button that bakes what was found, and is refused if other objects are chosen by now."""
     button = row.operator("radtex.bake", text=text, icon=icon, translate=False)
     button.resume, button.overwrite, button.show_object = resume, overwrite, True
-    button.expected = "" if found is None else told_names(found.objects)
+    button.expected = "" if found is None else told_names(found.chosen)
 
 
 def drawn(

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from ...bake.estimate import Basis
     from ...bake.spec import BakeSpec
     from ...core.messages import Message
+    from ...job.left_out import LeftOut
     from .not_baked import NotBaked
 
 _QUIET = 0.3  # seconds without a change before recomputing, so that dragging stays fluid
@@ -51,7 +52,8 @@ class Forecast:
     the objects that are being baked; the other fields are of the others. `shown` are the objects whose bake
     is shown in their place. `layout` describes the automatically chosen layout and the reason; empty if the
     user chose the layout. `sizes` are lines on the size of each atlas, if that follows from a texel density.
-    `not_baked` names selected objects that are no meshes.
+    `not_baked` names selected objects that are no meshes, `left_out` meshes that cannot be baked where others
+    can.
     """
 
     objects: tuple[str, ...]
@@ -71,8 +73,14 @@ class Forecast:
     busy: tuple[str, ...] = ()
     shown: tuple[str, ...] = ()
     not_baked: tuple[NotBaked, ...] = ()
+    left_out: tuple[LeftOut, ...] = ()
     layout: str = ""
     sizes: tuple[str, ...] = ()
+
+    @property
+    def chosen(self) -> tuple[str, ...]:
+        """All that were chosen: the objects, and those that are left out."""
+        return (*self.objects, *(one.name for one in self.left_out))
 
 
 Compute: TypeAlias = Callable[[bpy.types.Scene, bpy.types.ViewLayer], Forecast]

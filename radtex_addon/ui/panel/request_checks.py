@@ -4,7 +4,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from math import inf
+from typing import Any
 
 import bpy
 
@@ -14,8 +17,13 @@ from ...core.messages import Setting, do
 from ...job.bake_plan import BakePlan, plan_bakes, preflight
 from ...job.bake_request import BakeRequest
 from ...job.existing_bakes import is_finished
+from ...job.left_out import Found, LeftOut, find_bakeable
 from ...job.output_files import OutputFiles
 from ...job.preflight import Preflight
+from ...preview.swap import is_on
+from ..settings.bake_settings import BakeSettings
+from ..settings.object_settings import by_settings
+from ..settings.values import spec_of, values_of
 
 
 @dataclass(frozen=True)
@@ -29,6 +37,43 @@ class FilesThere:
     finished: int = 0
     unfinished: int = 0
     done: int = 0
+
+
+def sort_out(
+    scene: bpy.types.Scene,
+    names: Sequence[str],
+    values: Callable[[BakeSettings], dict[str, Any]] = values_of,
+    *,
+    shows_objects: bool = True,
+    patience: float = inf,
+    evaluate: bool = False,
+) -> Found:
+    """Which of the objects can be baked by their settings, and why the others are left out.
+
+    `values` are the settings' values; `patience` and `evaluate` are as in `find_bakeable`. If the bake
+    `shows_objects` whose preview is on, these can be baked.
+    """
+    found: dict[str, LeftOut] = {}
+    shown = {item.name for item in scene.objects if is_on(item)} if shows_objects else set()
+    groups = by_settings(scene, [name for name in names if name not in shown])
+    for settings, group in groups:
+        of_group = values(settings)
+        try:
+            spec = spec_of(of_group)
+        except InputError:  # which the bake's own checks report
+            spec = None
+        left = find_bakeable(
+            scene,
+            group,
+            spec,
+            preview=of_group["preview"],
+            now=of_group["variants"] != "frames",
+            patience=patience / len(groups),
+            evaluate=evaluate and len(names) > 1,
+        ).left_out
+        found |= {one.name: one for one in left}
+    kept = tuple(name for name in names if name not in found)
+    return Found(kept, tuple(found[name] for name in dict.fromkeys(names) if name in found))
 
 
 def foreseen(scene: bpy.types.Scene, request: BakeRequest, patience: float) -> Preflight:

@@ -108,19 +108,33 @@ def chosen_meshes(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> li
         found = meshes_of(chosen.collection, view_layer)
     else:
         here = set(view_layer.objects)
-        found = [row.item for row in chosen.listed if row.use and row.item is not None and row.item in here]
+        found = [item for item in _listed(chosen) if item in here]
     return list(dict.fromkeys(original_of(item) or item for item in found))
 
 
+def _listed(chosen: RADTEX_PG_chosen) -> list[bpy.types.Object]:
+    """The objects that are ticked on the bake list, without those that were deleted."""
+    rows = [row.item for row in chosen.listed if row.use]
+    return [item for item in rows if item is not None and item.users_collection]
+
+
 def chosen_names(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> tuple[str, ...]:
-    """Their names; those of selected objects and of a collection's are sorted."""
-    names = [item.name for item in chosen_meshes(scene, view_layer)]
-    return tuple(names if chosen_by(scene).source == "list" else sorted(names))
+    """Their names; those of selected objects and of a collection's are sorted.
+
+    Also those of objects on the list that the view layer does not have: a bake says why it leaves them out.
+    """
+    from ...preview.swap import original_of
+
+    chosen = chosen_by(scene)
+    if chosen.source != "list":
+        return tuple(sorted(item.name for item in chosen_meshes(scene, view_layer)))
+    listed = (original_of(item) or item for item in _listed(chosen))
+    return tuple(dict.fromkeys(item.name for item in listed))
 
 
 def told_names(names: Iterable[str]) -> str:
-    """Names as one text, to compare with those of a later choice."""
-    return "\n".join(names)
+    """Names in any order as one text, to compare with those of a later choice."""
+    return "\n".join(sorted(names))
 
 
 def nothing_chosen(scene: bpy.types.Scene) -> str:

@@ -16,7 +16,7 @@ from ....bake.plan import CapturePlan
 from ....core.arrays import Bools, Floats, Ints
 from ....scene.checks.see_through import is_see_through
 from ....scene.lights.linking import shadows
-from ....scene.mesh.evaluated import FARTHEST
+from ....scene.mesh.mesh_checks import FARTHEST
 from ....scene.mesh.render_contents import Shape, Shown, read_render
 from ....scene.mesh.triangle_tree import triangle_tree
 from .enclosed import is_clear

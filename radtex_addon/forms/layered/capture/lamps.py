@@ -29,7 +29,7 @@ from ....cycles.portal import Aim, PortalCapture
 from ....cycles.sampling import straight_shifts, tiles_of
 from ....scene.lights.lamps import is_negative, refuse_negative
 from ....scene.lights.linking import lights
-from ....scene.mesh.evaluated import FARTHEST
+from ....scene.mesh.mesh_checks import FARTHEST
 from ....scene.mesh.render_contents import Shown, read_render
 from ....scene.regroup import regroup
 from ..lookup.environment import MOST_LAMPS, Lamp, lamps_of

@@ -23,7 +23,7 @@ from ....formats.disk.path_checks import render_path
 from ....scene.lights.casters import as_glossy_rays_see
 from ....scene.lights.light import dark_to_cameras, world_in_reflections
 from ....scene.lights.linking import lights
-from ....scene.mesh.evaluated import FARTHEST
+from ....scene.mesh.mesh_checks import FARTHEST
 from ....scene.mesh.render_contents import Shape, Shown, read_render
 from ....scene.objects import is_rendered
 from ....scene.regroup import regroup
