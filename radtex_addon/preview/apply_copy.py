@@ -16,7 +16,8 @@ from ..core.errors import InputError
 from ..formats.sidecar_file import AnySidecar
 from ..scene.preview_file import settle
 from .bake_group import ScriptNode, load_with_groups
-from .swap import has_moved, homes, is_in, stand_in
+from .light_linking import link_alike
+from .swap import copy_of, has_moved, homes, is_in, stand_in
 
 _LOCKS = ("lock_location", "lock_rotation", "lock_scale")
 
@@ -38,24 +39,24 @@ def apply_to_copies(
 ) -> list[Applied]:
     """Make a copy "NAME (baked)" of each object, with the bake's mesh, UVs and material.
 
-    It stands where the object is now, in its collections, without parent, constraints, modifiers and
-    animation; visible, also where the object is hidden. In `layer` the copies are selected, and nothing else.
+    It stands where the object is now, or its preview, in its collections, without parent, constraints,
+    modifiers and animation; visible, also where the object is hidden. In `layer` the copies are selected, and
+    nothing else.
     The objects are not changed. `script` is as in `load_with_groups`, whose errors it raises, and InputError
     for an object that is no mesh or in no scene; then nothing has changed.
     """
     for original in originals:
         _check(original)
-    matrices = [original.matrix_world.copy() for original in originals]
+    matrices = [(copy_of(original) or original).matrix_world.copy() for original in originals]
     scene = originals[0].users_scene[0]
     meshes = load_with_groups(sidecar, [original.name for original in originals], scene, script)
     made = []
     for original, mesh, matrix in zip(originals, meshes, matrices, strict=True):
-        moved = has_moved(original, mesh)
+        moved = has_moved(matrix, mesh)
         copy = stand_in(original, mesh)
         settle(copy, mesh, matrix)
         _free(copy)
-        for collection in homes(original):
-            collection.objects.link(copy)
+        link_alike(copy, original, homes(original))
         made.append(Applied(original, copy, moved))
     _select([one.copy for one in made], layer)
     return made

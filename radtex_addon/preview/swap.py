@@ -28,12 +28,15 @@ from .hidden_objects import (
     objects_to_hide,
     restore_visibility,
 )
+from .light_linking import link_alike
 from .load import load_baked_meshes, remove_unused
+from .moved_preview import follow_preview, following, transform_record
 from .show_layer import check_layer, show_layer
 from .sun import follow_sun
 from .variant import keep_variant
 
 ORIGINAL = "radtex_original"  # custom property of a copy: the object, and its visibility before
+_TRANSFORM = "transform"  # in that property: the transform that the copy began with
 _FLAGS = ("hide_render", "hide_viewport")
 _MOVED = 1e-4  # tolerance, relative to a matrix's largest value
 
@@ -110,20 +113,20 @@ def _show(original: bpy.types.Object, mesh: bpy.types.Mesh, sidecar: SidecarFile
     _take_away(original)
     copy = stand_in(original, mesh)
     stances = _layer_states(original)
-    for collection in homes(original):
-        collection.objects.link(copy)
+    link_alike(copy, original, homes(original))
     _hide(original, copy)
     keep_variant(copy, sidecar)
     hide_originals((original, copy), objects_to_hide(sidecar, original.users_scene[0]), _others(copy))
     _take(copy, stances)
     _join_local_views(original, copy)
-    return Preview(original, copy, has_moved(original, mesh))
+    return Preview(original, copy, has_moved(original.matrix_world, mesh))
 
 
 def switch_off(item: bpy.types.Object) -> None:
     """Remove the preview of the object `item`, or the preview `item` itself; show the object as it was.
 
-    The object takes over the preview's selection and its visibility in view layers. Data that was loaded with
+    The object takes over the preview's selection and its visibility in view layers, and what the user has
+    changed of its transform and parent. Data that was loaded with
     the preview is removed, unless something else uses it by now. Does nothing if no preview is on.
     """
     if _take_away(item):
@@ -134,7 +137,7 @@ def switch_off(item: bpy.types.Object) -> None:
 def originals_rendered(originals: Sequence[bpy.types.Object]) -> Iterator[None]:
     """Within the context, render the objects, or those whose light the bakes show, instead of the previews.
 
-    Objects whose previews are off are left alone.
+    They stand where the previews do. Objects whose previews are off are left alone.
     """
     pairs = [pair for pair in map(_pair, originals) if pair is not None]
     shown: dict[bpy.types.Object, bool] = {}
@@ -149,7 +152,8 @@ def originals_rendered(originals: Sequence[bpy.types.Object]) -> Iterator[None]:
     try:
         for item, hidden in shown.items():
             item.hide_render = hidden
-        yield
+        with following(_followed(pairs)):
+            yield
     finally:
         for item, hidden in before.items():
             item.hide_render = hidden
@@ -159,10 +163,10 @@ def originals_rendered(originals: Sequence[bpy.types.Object]) -> Iterator[None]:
 def previews_off(scene: bpy.types.Scene) -> Iterator[None]:
     """Within the context, the scene shows the objects whose previews are on, and hides these previews.
 
-    The objects do not point to their previews meanwhile.
+    The objects stand where the previews do. The objects do not point to their previews meanwhile.
     """
     pairs = _pairs_in(scene)
-    shown = _flags_without_previews(pairs)
+    shown, followed = _flags_without_previews(pairs), _followed(pairs)
     records: list[tuple[Any, str, Any]] = []
     for original, _ in pairs:
         if original is not None:
@@ -174,7 +178,8 @@ def previews_off(scene: bpy.types.Scene) -> Iterator[None]:
             if key in owner:
                 del owner[key]
         _set_flags(shown)
-        yield
+        with following(followed):
+            yield
     finally:
         for owner, key, value in records:
             owner[key] = value
@@ -183,12 +188,17 @@ def previews_off(scene: bpy.types.Scene) -> Iterator[None]:
 
 @contextmanager
 def previews_not_rendered(scene: bpy.types.Scene) -> Iterator[None]:
-    """Within the context, renders of the scene show the objects whose previews are on, and no previews."""
-    shown = _flags_without_previews(_pairs_in(scene))
+    """Within the context, renders of the scene show the objects whose previews are on, and no previews.
+
+    The objects stand where the previews do.
+    """
+    pairs = _pairs_in(scene)
+    shown = _flags_without_previews(pairs)
     before = {item: {"hide_render": item.hide_render} for item in shown}
     try:
         _set_flags({item: {"hide_render": flags["hide_render"]} for item, flags in shown.items()})
-        yield
+        with following(_followed(pairs)):
+            yield
     finally:
         _set_flags(before)
 
@@ -233,6 +243,9 @@ def _take_away(item: bpy.types.Object) -> bool:
     flags = _flags_of(original, copy)
     stances: list[_LayerState] = []
     restore_visibility(pair, _others(copy))
+    moved = False
+    if original is not None and copy is not None:
+        moved = follow_preview(original, copy, _transform_of(copy))
     if copy is not None:
         stances, named = _layer_states(copy), cast(Any, copy)[ORIGINAL].get("original")
         bpy.data.objects.remove(copy)
@@ -244,7 +257,27 @@ def _take_away(item: bpy.types.Object) -> bool:
         if SHOWN in cast(Any, original):
             del cast(Any, original)[SHOWN]
         _take(original, stances)
+        if moved:
+            _update(original)
     return True
+
+
+def _update(item: bpy.types.Object) -> None:
+    """Bring the matrix of an object up to date."""
+    for layer in (layer for scene in item.users_scene for layer in scene.view_layers):
+        if is_in(layer, item):
+            layer.update()
+
+
+def _followed(pairs: Iterable[_Pair]) -> list[tuple[bpy.types.Object, bpy.types.Object, Any]]:
+    """The pairs of which nothing was deleted, each once, with the transform that its preview began with."""
+    whole = {original: copy for original, copy in pairs if original is not None and copy is not None}
+    return [(original, copy, _transform_of(copy)) for original, copy in whole.items()]
+
+
+def _transform_of(copy: Any) -> Any:
+    """The transform that a preview began with; None if an earlier version has made it."""
+    return copy[ORIGINAL].get(_TRANSFORM)
 
 
 def _pair(item: Any) -> _Pair | None:
@@ -327,7 +360,7 @@ def _hide(original: Any, copy: Any) -> None:
     stale = original.get(SHOWN)  # the original is a duplicate of a hidden object, whose visibility counts
     flags = {flag: bool(stale[flag] if stale else getattr(original, flag)) for flag in _FLAGS}
     original[SHOWN] = {"copy": copy, **flags}
-    copy[ORIGINAL] = {"original": original, **flags}
+    copy[ORIGINAL] = {"original": original, **flags, _TRANSFORM: transform_record(copy)}
     for flag in _FLAGS:
         setattr(copy, flag, flags[flag])
         setattr(original, flag, True)
@@ -399,10 +432,10 @@ def _join_local_views(original: bpy.types.Object, copy: bpy.types.Object) -> Non
                 copy.local_view_set(space, original.local_view_get(space))
 
 
-def has_moved(original: bpy.types.Object, mesh: Any) -> bool:
-    """Whether an object has moved since the bake with this mesh."""
+def has_moved(matrix: Any, mesh: Any) -> bool:
+    """Whether an object at `matrix`, in the world, has moved since the bake with this mesh."""
     if MATRIX not in mesh:
         return False
     baked = np.array(mesh[MATRIX]).reshape(4, 4)
-    gap = np.abs(np.array(original.matrix_world) - baked).max()
+    gap = np.abs(np.array(matrix) - baked).max()
     return bool(gap > _MOVED * np.abs(baked).max())

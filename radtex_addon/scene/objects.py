@@ -137,15 +137,20 @@ def _homes(
 
 def animates_visibility(item: bpy.types.Object) -> bool:
     """Whether an action or a driver decides if the object is seen in views or renders."""
+    return any(curve.data_path in _VISIBILITY and not curve.mute for curve in curves_of(item))
+
+
+def curves_of(item: bpy.types.Object) -> list[bpy.types.FCurve]:
+    """The curves and drivers that animate an object's own properties, muted ones too."""
     data = item.animation_data
     if data is None:
-        return False
+        return []
     strips = [strip for track in data.nla_tracks for strip in track.strips]
     curves: list[bpy.types.FCurve] = list(data.drivers)
     played = [(data.action, data.action_slot), *((strip.action, strip.action_slot) for strip in strips)]
     for action, slot in played:
         curves += _curves(action, slot)
-    return any(curve.data_path in _VISIBILITY and not curve.mute for curve in curves)
+    return curves
 
 
 def _curves(action: bpy.types.Action | None, slot: bpy.types.ActionSlot | None) -> Iterator[bpy.types.FCurve]:
