@@ -4,8 +4,6 @@
 
 from __future__ import annotations
 
-from math import inf
-
 from ..core.errors import InputError
 from ..core.messages import Setting, do, leave_out
 from ..formats.containers.exr import Compression
@@ -23,6 +21,7 @@ _NAMES = {
 }  # names of fields in messages, if they differ
 _BUCKETS = do("choose layout buckets", Setting.LAYOUT, value="buckets")
 _PORTAL = do("capture by portal", Setting.CAPTURE, value="portal")
+_NEAREST, _FARTHEST = 1e-18, 1e18  # scene units: the squares of others are no numbers in float32
 _MOST_SAMPLES_BY_PATHS = 2**12  # 117 thousand paths per texel
 
 LEAST_MEMORY, MOST_MEMORY = 16, 2**24  # limits of --memory, in MiB
@@ -121,8 +120,8 @@ def _check_source(spec: SpecFields) -> None:
 
 def _check_reach(spec: SpecFields) -> None:
     """Check how far from the surface the source is searched for."""
-    if spec.extrusion is not None and not 0 < spec.extrusion < inf:
-        raise InputError(f"extrusion {spec.extrusion:g}: give a distance above 0, in scene units")
+    if spec.extrusion is not None:
+        _check_finite("extrusion", spec.extrusion, "a distance")
     if spec.cage == "":
         raise InputError("the cage's name is empty: name an object, or none")
     if spec.cage is not None and spec.extrusion is not None:
@@ -170,8 +169,7 @@ def _check_distance(spec: SpecFields) -> None:
         return
     if not spec.kind.traits.ao_distance:
         raise InputError(f"{spec.kind} looks at any distance", do("bake ao"), leave_out(Setting.AO_DISTANCE))
-    if not 0 < spec.ao_distance < inf:
-        raise InputError(f"ao distance {spec.ao_distance:g}: give one above 0, in scene units")
+    _check_finite("ao distance", spec.ao_distance, "one")
 
 
 def _check_transfer(spec: SpecFields) -> None:
@@ -262,6 +260,16 @@ def size_of(spec: SpecFields) -> str:
     """The settings that make an atlas large, for messages."""
     size = f"a side of {spec.texels} texels with {spec.bucket} cells"
     return size if spec.density is None else f"{told_density(spec.density)}, {size},"
+
+
+def _check_finite(name: str, distance: float, what: str) -> None:
+    """Check a distance that float32 computes with."""
+    if not distance > 0:
+        raise InputError(f"{name} {distance:g}: give {what} above 0, in scene units")
+    if not _NEAREST <= distance <= _FARTHEST:
+        raise InputError(
+            f"{name} {distance:g}: give {what} from {_NEAREST:g} to {_FARTHEST:g}, in scene units"
+        )
 
 
 def _check_whole_number(name: str, value: object, least: int, most: int) -> None:

@@ -12,6 +12,8 @@ from ..core.messages import Message, Setting, do
 MOST_TEXELS = 4096  # along a side of an atlas whose size follows from a density
 STEP = 4  # sides are multiples of it: blocks of compressed textures, and two mip levels, fit exactly
 
+LEAST_DENSITY, MOST_DENSITY = 1e-9, 1e12  # texels per metre; what is beyond is a slip, and overflows
+
 _PER_METRE = {"": 1.0, "m": 1.0, "cm": 100.0, "mm": 1000.0}
 _BEYOND = 2**31  # texels: all that is larger is too large alike
 _USED, _APART = 0.7, 16  # what an unwrap covers of an atlas, but for the texels between islands: measured
@@ -36,6 +38,10 @@ def checked_density(density: float, said: str) -> float:
     """The density, if atlases can have it; else raises InputError, whose text begins with `said`."""
     if not 0 < density < inf:
         raise InputError(f"{said}: give texels per metre above 0, such as 64/m")
+    if not LEAST_DENSITY <= density <= MOST_DENSITY:
+        raise InputError(
+            f"{said}: give from {LEAST_DENSITY:g} to {MOST_DENSITY:g} texels per metre, such as 64/m"
+        )
     return density
 
 

@@ -11,35 +11,43 @@ from __future__ import annotations
 
 import json
 import os
+import socket
 import socketserver
 import sys
 from collections.abc import Mapping
+from contextlib import suppress
 from http import HTTPStatus
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from io import BytesIO
 from pathlib import Path
-from threading import Thread
+from threading import Lock, Thread
 from typing import Any, BinaryIO
 from urllib.parse import quote, unquote
 
 HERE = "127.0.0.1"
 _NAMES = (HERE, "localhost")  # by which browsers on this machine may call it
 _INDEX = ("index.html", "index.htm")  # what Python's server answers for a folder
+_WAITING = 128  # connections that may be open without having asked for anything; browsers open some ahead
+_PATIENCE = 60.0  # seconds in which a browser must ask, and take in some of what it is sent
 
 
 class PageServer(ThreadingHTTPServer):
     """Serves folders at a port of 127.0.0.1, each below the first part of an address's path.
 
-    `folders` maps that part to the folder; a folder with the name "" is served below "/".
+    `folders` maps that part to the folder; a folder with the name "" is served below "/". Connections that
+    ask for nothing never keep others waiting: of too many, the oldest is closed.
     """
 
     daemon_threads = True
+    request_queue_size = 512  # of connections that the system holds meanwhile; it refuses more for a second
     allow_reuse_address = sys.platform != "win32"  # there it would let two programs have the same port
     allow_reuse_port = False
 
     def __init__(self, port: int = 0, folders: Mapping[str, Path] | None = None) -> None:
         """Listen at the port, 0 for a free one. Raises OSError if it is taken."""
         super().__init__((HERE, port), _Files)
+        self._lock = Lock()
+        self._waiting: dict[socket.socket, None] = {}  # in the order in which they came
         self.folders = {name: folder.resolve() for name, folder in (folders or {}).items()}
 
     @property
@@ -58,6 +66,26 @@ class PageServer(ThreadingHTTPServer):
         self.folders[name] = folder
         return f"http://{HERE}:{self.port}/{quote(name, safe='')}/"
 
+    def process_request(self, request: Any, client_address: Any) -> None:
+        """Answer a connection in a thread of its own; close the oldest that waits if there are too many."""
+        with self._lock:
+            self._waiting[request] = None
+            while len(self._waiting) > _WAITING:
+                oldest = next(iter(self._waiting))
+                del self._waiting[oldest]
+                with suppress(OSError):  # it has gone by itself
+                    oldest.shutdown(socket.SHUT_RDWR)  # its thread reads the end, and closes it
+        super().process_request(request, client_address)
+
+    def has_asked(self, request: Any) -> None:
+        """A connection does not wait any more: it has asked for something, or is being closed."""
+        with self._lock:
+            self._waiting.pop(request, None)
+
+    def shutdown_request(self, request: Any) -> None:
+        self.has_asked(request)
+        super().shutdown_request(request)
+
     def server_bind(self) -> None:
         """Bind, without asking the network for this machine's name, which may take seconds."""
         socketserver.TCPServer.server_bind(self)
@@ -73,6 +101,7 @@ class _Files(SimpleHTTPRequestHandler):
     """Serves files without a log; browsers keep none of them, so that a new export is seen at once."""
 
     server: PageServer
+    timeout = _PATIENCE
     # Windows looks types up in its registry, where other programs may have changed them.
     extensions_map = SimpleHTTPRequestHandler.extensions_map | {
         ".css": "text/css; charset=utf-8",
@@ -101,6 +130,7 @@ class _Files(SimpleHTTPRequestHandler):
         A request for another host is refused: a page from the internet could have its own host's name lead
         here, and would then be allowed to read the answers.
         """
+        self.server.has_asked(self.request)
         if self.headers.get("Host", "").partition(":")[0] not in _NAMES:
             self.send_error(HTTPStatus.FORBIDDEN)
             return None

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import pytest
 
@@ -21,7 +22,9 @@ def test_a_density_is_texels_per_metre_whatever_its_unit(text: str, per_metre: f
     assert parse_density(text) == per_metre
 
 
-@pytest.mark.parametrize("text", ["64/in", "64/", "64/m/m", "x/m", "", "0", "-3/m", "nan", "inf/m", "1e400"])
+@pytest.mark.parametrize(
+    "text", ["64/in", "64/", "64/m/m", "x/m", "", "0", "-3/m", "nan", "inf/m", "1e400", "1e-300/m", "1e300/m"]
+)
 def test_what_is_no_density_is_refused_by_its_name(text: str) -> None:
     with pytest.raises(InputError, match=r"^--density .*such as 64/m") as raised:
         parse_density(text, "--density")
@@ -32,6 +35,22 @@ def test_what_is_no_density_is_refused_by_its_name(text: str) -> None:
 def test_a_spec_has_a_density_above_0_or_none(density: float) -> None:
     with pytest.raises(InputError, match="above 0"):
         BakeSpec(density=density)
+
+
+@pytest.mark.parametrize("density", [5e-324, 1e-300, 1e-10, 1e13, 1e300])
+def test_a_density_that_would_overflow_is_refused(density: float) -> None:
+    with pytest.raises(InputError, match=r"from 1e-09 to 1e\+12 texels per metre"):
+        BakeSpec(density=density)
+
+
+@pytest.mark.parametrize("distance", [5e-324, 1e-300, 1e-38, 1e20, 1e38, 1e300, math.inf])
+@pytest.mark.parametrize(
+    "given", [{"kind": Kind.AO, "ao_distance": 0.0}, {"source": "Other", "extrusion": 0.0}]
+)
+def test_a_distance_whose_square_is_no_float_is_refused(given: dict[str, Any], distance: float) -> None:
+    beyond = {name: distance if value == 0 else value for name, value in given.items()}
+    with pytest.raises(InputError, match=r"from 1e-18 to 1e\+18, in scene units"):
+        BakeSpec(**beyond)
 
 
 def test_the_most_texels_are_what_an_image_can_hold() -> None:
