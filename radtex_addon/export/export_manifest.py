@@ -7,17 +7,20 @@ Its keys are a contract with other programs: docs/format.md, "Exported textures"
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from ..core.errors import FormatError
+from ..formats.containers.texture import MOST_PIXELS
 from ..formats.disk.atomic import write_text
+from ..formats.file_names import is_plain_stem
 from ..formats.json_reader import Facts, json_text, shown
 from ..formats.sidecar_file import read_text
 from ..forms import Form, form_in
-from ..textures.entry import TextureEntry, file_of
+from ..textures.entry import MOST_TEXELS, TextureEntry, file_of
 from .mirror import Mirror
 
 VERSION = 1
@@ -82,21 +85,32 @@ class Manifest:
         if version != VERSION:
             raise FormatError(f"{source} is of version {version}, this RadTex reads {VERSION}: update RadTex")
         bake, textures = facts.inner("bake"), facts.inner("textures")
+        bake.size("texels", MOST_TEXELS)
+        bake.whole_number("bucket", 1, MOST_PIXELS)
         layers = form_in(bake).textures_of(bake, textures.values)
         if set(textures.values) != set(layers):
             found, expected = (shown(", ".join(names), 200) or "none" for names in (textures.values, layers))
             raise FormatError(f"{source} has the textures {found}, expected {expected}")
         return cls(
             tool=facts.text("tool"),
-            name=facts.text("name"),
-            mesh=file_of(facts, "mesh"),
-            flat=file_of(facts, "flat"),
+            name=_stem_in(facts),
+            mesh=file_of(facts, "mesh", "glb"),
+            flat=file_of(facts, "flat", "png"),
             bake=bake.values,
             textures={layer: TextureEntry.from_facts(textures.inner(layer)) for layer in layers},
             flat_scale=facts.positive("flat_scale"),
             culled=facts.truth("culled") if "culled" in facts.values else False,
             mirror=Mirror.from_facts(facts.inner("mirror")) if "mirror" in facts.values else None,
         )
+
+
+def _stem_in(facts: Facts) -> str:
+    """The common name of the export's files."""
+    name = facts.text("name")
+    if not is_plain_stem(name):
+        found = shown(json.dumps(name))
+        raise FormatError(f'{facts.source}: "name" is {found}, expected what its files are called')
+    return name
 
 
 def write_manifest(path: Path, manifest: Manifest) -> None:

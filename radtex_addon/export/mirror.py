@@ -16,7 +16,7 @@ import numpy as np
 
 from ..bake.kinds import KINDS, Kind
 from ..core.arrays import Floats
-from ..core.errors import InputError
+from ..core.errors import FormatError, InputError
 from ..core.pages import Pages
 from ..core.ray_tree import IN_LEAF, RayTree, build_tree
 from ..core.surface import SurfaceMesh
@@ -56,15 +56,14 @@ class Mirror:
 
     @classmethod
     def from_facts(cls, facts: Facts) -> Mirror:
-        """Inverse of `facts`. Raises FormatError for a missing or mistyped key."""
+        """Inverse of `facts`. Raises FormatError for a missing or mistyped key, or too large a tree."""
         red, green, blue = facts.numbers("sky", 3)
-        return cls(
-            TextureEntry.from_facts(facts),
-            facts.whole_number("nodes", 1),
-            facts.whole_number("triangles", 1),
-            (red, green, blue),
-            BallPath.from_facts(facts),
-        )
+        entry = TextureEntry.from_facts(facts)
+        nodes = facts.whole_number("nodes", 1, _EXACT)
+        triangles = facts.whole_number("triangles", 1, _EXACT)
+        if _OF_NODE * nodes + _OF_TRIANGLE * triangles > entry.size[0] * entry.size[1]:
+            raise FormatError(f"{facts.source} has more nodes and triangles than pixels: export it again")
+        return cls(entry, nodes, triangles, (red, green, blue), BallPath.from_facts(facts))
 
 
 def check_mirror(bake: Path | str, kind: str, materials: int) -> None:

@@ -11,7 +11,10 @@ from typing import Any
 
 from ..core.errors import FormatError
 from ..formats.containers.texture import MOST_LAYERS, MOST_PIXELS, PixelFormat, most_levels
+from ..formats.file_names import is_plain_file
 from ..formats.json_reader import Facts, shown
+
+MOST_TEXELS = 2**24  # along a side of an atlas: whole numbers that every reader holds exactly
 
 
 class Container(StrEnum):
@@ -79,17 +82,18 @@ class TextureEntry:
     def from_facts(cls, facts: Facts) -> TextureEntry:
         """Inverse of `facts`. Raises FormatError for a missing or mistyped key or impossible sizes."""
         size = facts.size("size", MOST_PIXELS)
+        container = Container(facts.choice("container", tuple(Container)))
         scale, offset = facts.numbers("range", 2) if "range" in facts.values else (1.0, 0.0)
         entry = cls(
-            file=file_of(facts, "file"),
-            container=Container(facts.choice("container", tuple(Container))),
+            file=file_of(facts, "file", container),
+            container=container,
             format=PixelFormat(facts.choice("format", tuple(PixelFormat))),
             zstd=facts.truth("zstd"),
             arrangement=Arranged(facts.choice("arrangement", tuple(Arranged))),
             size=size,
             layers=facts.whole_number("layers", 1, MOST_LAYERS),
-            texels=facts.size("texels"),
-            stored=facts.size("stored"),
+            texels=facts.size("texels", MOST_TEXELS),
+            stored=facts.size("stored", MOST_TEXELS),
             levels=facts.whole_number("levels", 1, most_levels(*size)),
             pages=facts.size("pages", MOST_LAYERS),
             page_texels=facts.size("page_texels", MOST_PIXELS),
@@ -107,11 +111,12 @@ class TextureEntry:
         return entry
 
 
-def file_of(facts: Facts, key: str) -> str:
-    """The name of a file in the manifest's folder. Raises FormatError for one that lies elsewhere."""
+def file_of(facts: Facts, key: str, ending: str) -> str:
+    """The name of a file in the manifest's folder. Raises FormatError for any other name."""
     name = facts.text(key)
-    if not name or name.startswith(".") or any(mark in name for mark in "/\\:\0"):
+    if not is_plain_file(name, (ending,)):
         raise FormatError(
-            f'{facts.source}: "{key}" is {shown(json.dumps(name))}, expected a file of the same folder'
+            f'{facts.source}: "{key}" is {shown(json.dumps(name))}, expected a file of the same folder '
+            f"that ends in .{ending}"
         )
     return name

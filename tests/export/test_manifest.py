@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import json
+from copy import deepcopy
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,7 @@ from radtex_addon.formats.sidecar import Sidecar
 from radtex_addon.forms.layered.files.layered_files import write_layered
 from radtex_addon.textures.entry import Arranged, Container, TextureEntry
 from tests.layered.made_up import made_up_atlas
+from tests.strangers.attacks import BASES, attacks
 
 BAKE = Sidecar("Vase", "radiance", 100, 60, 8, "RadTex", 4, 0, "portal", "RadTex 1", "5.2")
 
@@ -167,3 +169,23 @@ def test_a_missing_key_and_no_json_are_refused(tmp_path: Path) -> None:
         Manifest.from_json("[]")
     with pytest.raises(FormatError, match=r"none\.json cannot be read"):
         read_manifest(tmp_path / "none.json")
+
+
+@pytest.mark.parametrize("base", BASES)
+def test_what_we_wrote_is_read(base: str) -> None:
+    assert Manifest.from_json(json.dumps(BASES[base])).facts().items() <= _without_uris(BASES[base]).items()
+
+
+@pytest.mark.parametrize(("what", "facts"), attacks("python"))
+def test_what_a_stranger_made_is_refused(what: str, facts: dict[str, Any]) -> None:
+    with pytest.raises(FormatError) as caught:
+        Manifest.from_json(json.dumps(facts), "Vase.export.json")
+    assert str(caught.value).isprintable()
+
+
+def _without_uris(facts: dict[str, Any]) -> dict[str, Any]:
+    """The manifest's JSON of an extension's."""
+    found = deepcopy(facts)
+    for entry in (*found["textures"].values(), *[found.get("mirror", {})]):
+        entry.pop("uri", None)
+    return found

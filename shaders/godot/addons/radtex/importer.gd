@@ -6,10 +6,10 @@ extends GLTFDocumentExtension
 ##
 ## A material whose textures cannot be loaded keeps what glTF says of it: the flat lightmap.
 
+const Checks := preload("checks.gd")
 const Materials := preload("materials.gd")
 const Textures := preload("textures.gd")
 const EXTENSION := "RADTEX_radiance_texture"
-const VERSION := 1.0  ## Of the extension's JSON.
 const BAKED := &"radtex_baked"  ## Metadata of a mesh with such materials.
 const FOUND := &"radtex"  ## Additional data of a GLTFState: new materials, by their numbers in the file.
 
@@ -19,17 +19,17 @@ func _import_preflight(state: GLTFState, extensions: PackedStringArray) -> Error
 		return ERR_SKIP
 	var found := {}
 	var textures := Textures.new(state.base_path)
-	var listed: Array = state.json.get("materials", [])
+	var listed := _materials_of(state.json)
 	for number in listed.size():
 		var facts := _facts_of(listed[number])
 		if facts and _is_readable(facts):
 			var material_number: int = facts.get("material", 0)
 			var material := Materials.made(facts, material_number, textures)
 			if material:
-				material.resource_name = listed[number].get("name", "")
+				material.resource_name = str(listed[number].get("name", ""))
 				found[number] = material
 	state.set_additional_data(FOUND, found)
-	if found.size() == listed.size():
+	if found and found.size() == listed.size():
 		_drop_flat_lightmaps(state.json)
 	return OK
 
@@ -51,23 +51,35 @@ func _import_post_parse(state: GLTFState) -> Error:
 	return OK
 
 
+## A file's materials; none where its JSON is not as glTF has it, which Godot itself tells of.
+static func _materials_of(json: Dictionary) -> Array:
+	var found: Variant = json.get("materials")
+	return found if found is Array and found.all(func(each: Variant) -> bool: return each is Dictionary) else []
+
+
 ## The extension's JSON in that of a material, whose base colour texture has it; empty if there is none.
 static func _facts_of(material: Dictionary) -> Dictionary:
-	var colour: Dictionary = material.get("pbrMetallicRoughness", {}).get("baseColorTexture", {})
-	return colour.get("extensions", {}).get(EXTENSION, {})
+	var found: Variant = material
+	for key: String in ["pbrMetallicRoughness", "baseColorTexture", "extensions", EXTENSION]:
+		found = found.get(key) if found is Dictionary else null
+	return found if found is Dictionary else {}
 
 
 static func _is_readable(facts: Dictionary) -> bool:
-	if facts.get("version") == VERSION:
-		return true
-	push_error("RadTex: %s was exported in version %s of the format, this addon reads %s: update the addon in addons/radtex, or export with the RadTex that it came with."
-		% [facts.get("name"), facts.get("version"), VERSION])
-	return false
+	var version: Variant = facts.get("version")
+	if (version is float or version is int) and version != Checks.VERSION:
+		push_error("RadTex: %s was exported in version %s of the format, this addon reads %s: update the addon in addons/radtex, or export with the RadTex that it came with."
+			% [JSON.stringify(facts.get("name")).left(80), version, Checks.VERSION])
+		return false
+	var problem := Checks.new(facts).problem
+	if problem:
+		push_error("RadTex: a material is not as RadTex writes it, %s: its flat lightmap is shown. Ask who made the .glb." % problem)
+	return problem.is_empty()
 
 
 ## Nobody sees the flat lightmaps, which the editor would write into the project as pictures.
 static func _drop_flat_lightmaps(json: Dictionary) -> void:
-	for material: Dictionary in json.get("materials", []):
+	for material: Dictionary in _materials_of(json):
 		material.get("pbrMetallicRoughness", {}).erase("baseColorTexture")
 	for list: String in ["images", "textures", "samplers"]:
 		json.erase(list)
