@@ -39,6 +39,8 @@ def _validator() -> Draft202012Validator:
 def problems(facts: dict[str, Any]) -> list[str]:
     """What the schema finds wrong with an extension, and properties that it does not describe."""
     found = [f"{error.json_path}: {error.message}" for error in _validator().iter_errors(facts)]
+    if found:
+        return found
     parts: list[tuple[dict[str, Any], tuple[str, ...]]] = [
         (facts, (TOP,)),
         *((each, (TEXTURE,)) for each in facts.get("textures", {}).values()),

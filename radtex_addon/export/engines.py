@@ -8,6 +8,7 @@ import shutil
 from collections.abc import Iterable
 from pathlib import Path
 
+from ..core.quoting import in_comment
 from ..textures.entry import Container, TextureEntry
 from ..textures.export_spec import Target
 from .export_manifest import Manifest
@@ -65,20 +66,21 @@ def readme(pack: Pack) -> str:
         *IMPORT_LINES,
         _WHERE[target],
     ]
-    return "\n".join(lines) + "\n"
+    return "".join(f"{in_comment(line)}\n" for line in lines)
 
 
 def file_lines(manifest: Manifest, mesh: str) -> list[str]:
     """Lines that say what a folder's mesh, textures and manifest are; `mesh`: what its attributes hold."""
     bake = manifest.bake
     width, height = bake["texels"]
-    return [
+    lines = [
         f"{manifest.mesh}: the mesh. {mesh}",
         f"{manifest.flat}: a flat lightmap, the mean of each texel's light; also inside the mesh's file.",
         f"{manifest.name}.export.json: all of this for programs.",
         *(described(layer, entry) for layer, entry in manifest.textures.items()),
         f"layout {bake['layout']}, {width} x {height} texels of {bake['bucket']} x {bake['bucket']} cells",
     ]
+    return list(map(in_comment, lines))
 
 
 def described(layer: str, entry: TextureEntry) -> str:

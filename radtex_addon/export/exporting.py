@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
@@ -13,7 +14,9 @@ import bpy
 
 from ..core.errors import FormatError, InputError
 from ..core.messages import Setting, do
+from ..core.printable import printable
 from ..formats.disk.memory import check_allowed
+from ..formats.file_names import FORBIDDEN, is_plain_stem
 from ..formats.sidecar import Sidecar, preview_path
 from ..formats.sidecar_file import AnySidecar, SidecarFile, opened
 from ..forms import Form, form_in
@@ -82,7 +85,13 @@ class ExportSource:
         ending = f".{bake.kind}.json"
         if not file.path.name.endswith(ending):
             raise FormatError(f"{file} is not called NAME{ending}: give the bake's files their names back")
-        return cls(file, form, bake, file.path.name.removesuffix(ending))
+        name = file.path.name.removesuffix(ending)
+        if not is_plain_stem(name) or printable(name) != name:
+            raise FormatError(
+                f"{json.dumps(name)} is no name for files of an export, which have no line ends, invisible "
+                f"characters or {FORBIDDEN}: rename all files of that bake"
+            )
+        return cls(file, form, bake, name)
 
     @property
     def preview(self) -> Path:

@@ -136,7 +136,7 @@ def _digests(out: Path) -> dict[str, str]:
     """The names of the list with their digests, which are empty where it has none."""
     if not (out / LIST).is_file():
         return {}
-    lines = read_regular(out / LIST).decode("utf-8", "replace").splitlines()
+    lines = read_regular(out / LIST).decode("utf-8", "replace").split("\n")  # no other line end
     split = (line.partition("\t") for line in lines)
     return {name: known for name, _, known in split if name and _is_below(name)}
 

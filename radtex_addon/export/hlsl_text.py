@@ -40,4 +40,4 @@ def is_clear(glb: Glb) -> bool:
 
 def indented(text: str, depth: int = 4) -> str:
     """Lines that begin so many spaces farther in."""
-    return "\n".join(f"{' ' * depth}{line}" if line else line for line in text.splitlines())
+    return "\n".join(f"{' ' * depth}{line}" if line else line for line in text.removesuffix("\n").split("\n"))

@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
+from ..core.quoting import in_comment
 from .engines import IMPORT_LINES, copy_includes, described, includes
 from .export_manifest import EXTENSION, Manifest
 from .pack import Pack
@@ -18,7 +19,8 @@ def write_engine_scene(pack: ScenePack, folder: Path) -> None:
     target = pack.spec.target
     packs = [Pack(manifest.name, manifest, folder, pack.spec) for manifest in pack.manifests]
     copy_includes(dict.fromkeys(path for each in packs for path in includes(target, each)), folder)
-    (folder / "README.txt").write_text("\n".join(_lines(pack)) + "\n", encoding="utf-8", newline="\n")
+    text = "".join(f"{in_comment(line)}\n" for line in _lines(pack))
+    (folder / "README.txt").write_text(text, encoding="utf-8", newline="\n")
 
 
 def _lines(pack: ScenePack) -> Iterator[str]:

@@ -4,11 +4,11 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
 
 from ..bake.kinds import Kind, Lit
+from ..core.quoting import godot_string, in_comment
 from .export_manifest import Manifest
 from .godot_addon import copy_addon
 from .pack import Pack
@@ -50,8 +50,8 @@ def write_godot(pack: Pack | ScenePack, folder: Path) -> None:
     lit = {Kind(manifest.bake["kind"]).traits.lit for manifest in manifests}
     mirror = any(manifest.mirror is not None for manifest in manifests)
     words = {
-        "NAME": quoted(name),
-        "MESH": quoted(f"res://{name}.glb"),
+        "NAME": godot_string(name),
+        "MESH": godot_string(f"res://{name}.glb"),
         "MIRROR_RESOURCE": _MIRROR_RESOURCE if mirror else "",
         "MIRROR": _MIRROR if mirror else "",
         "SUN": _SUN if Lit.BY_LAMPS in lit else "",
@@ -61,8 +61,8 @@ def write_godot(pack: Pack | ScenePack, folder: Path) -> None:
     for template in ("project.godot", "main.tscn", "orbit.gd"):
         write_text_file(folder / template, filled(TEMPLATES / template, words))
     about = "a radiance texture" if len(manifests) == 1 else f"a scene of {len(manifests)} radiance textures"
-    files = "\n".join(_files_to_copy(manifests))
-    readme = {"NAME": name, "WHAT": about, "FILES": files}
+    files = "\n".join(map(in_comment, _files_to_copy(manifests)))
+    readme = {"NAME": in_comment(name), "WHAT": about, "FILES": files}
     write_text_file(folder / "README.txt", filled(TEMPLATES / "README.txt", readme))
     copy_addon(folder)
 
@@ -72,8 +72,3 @@ def _files_to_copy(manifests: Sequence[Manifest]) -> list[str]:
     textures = [entry.file for manifest in manifests for entry in manifest.textures.values()]
     mirrors = [manifest.mirror.entry.file for manifest in manifests if manifest.mirror is not None]
     return list(dict.fromkeys([manifests[0].mesh, *textures, *mirrors]))
-
-
-def quoted(text: str) -> str:
-    """A string in the syntax of Godot's files."""
-    return json.dumps(text, ensure_ascii=False)

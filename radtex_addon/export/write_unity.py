@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 import shutil
 from collections.abc import Mapping
@@ -14,6 +13,7 @@ import numpy as np
 
 from ..bake.kinds import Kind
 from ..core.arrays import Floats
+from ..core.quoting import csharp_string, in_comment, shaderlab_string
 from ..formats.containers.glb import Glb
 from ..forms.hlsl_lookup import ARGUMENTS, HlslLookup, numbers
 from ..textures.entry import TextureEntry
@@ -49,7 +49,7 @@ def write_unity(pack: Pack, folder: Path) -> None:
     script = script_text(name, manifest.bake["kind"], manifest.mesh, lookup, material_numbers(glb))
     write_text_file(folder / "Editor" / f"{identifier(name, manifest.bake['kind'])}.cs", script)
     files = "\n".join(file_lines(manifest, ATTRIBUTES))
-    readme = {"NAME": name, "TITLE": title, "FILES": files}
+    readme = {"NAME": in_comment(name), "TITLE": in_comment(title), "FILES": files}
     write_text_file(folder / "README.txt", filled(TEMPLATES / "README.txt", readme))
     (folder / "shaders").mkdir()
     for source in (*(f"{stem}.hlsl" for stem in lookup.includes), f"unity/{SHARED}", "LICENSE"):
@@ -64,7 +64,7 @@ def object_text(name: str, lookup: HlslLookup, baked: Floats, clear: bool) -> st
     defines = dict(lookup.defines)
     defines |= dict.fromkeys([*["RADTEX_CLEAR"] * clear, *["RADTEX_RELIT"] * lookup.relit], 1)
     words = {
-        "NAME": name,
+        "NAME": in_comment(name),
         "DEFINES": define_lines(defines),
         "TEXTURES": "\n".join(
             f"{texture_type(entry)} {texture};" for texture, entry in lookup.textures.items()
@@ -86,8 +86,9 @@ def shader_text(name: str, title: str, lookup: HlslLookup, clear: bool, culled: 
     )
     keywords = " ".join(f"RADTEX_MATERIAL_{number}" for number in range(1, len(lookup.materials)))
     words = {
-        "NAME": name,
-        "TITLE": title,
+        "NAME": in_comment(name),
+        "TITLE": shaderlab_string(f"RadTex/{title}"),
+        "NUMBERS": shaderlab_string(f"{name}.hlsl"),
         "PROPERTIES": indented("\n".join(properties), 8),
         "SUN": indented(_SUN, 8) + "\n" if lookup.relit else "",
         "KEYWORDS": f"#pragma shader_feature_local _ {keywords}" if keywords else "",
@@ -116,8 +117,11 @@ def _of_materials(lookup: HlslLookup) -> str:
 
 def script_text(name: str, kind: str, mesh: str, lookup: HlslLookup, materials: Mapping[str, int]) -> str:
     """The text of the script for Unity's editor; `materials` are the mesh's by name, with their numbers."""
-    files = (f"{{ {_quoted(each)}, {_quoted(entry.file)} }}," for each, entry in lookup.textures.items())
-    listed = (f"{{ {_quoted(each)}, {number} }}," for each, number in materials.items())
+    files = (
+        f"{{ {csharp_string(each)}, {csharp_string(entry.file)} }},"
+        for each, entry in lookup.textures.items()
+    )
+    listed = (f"{{ {csharp_string(each)}, {number} }}," for each, number in materials.items())
     words = {
         "NAME": _inside_quotes(name),
         "TITLE": _inside_quotes(title_of(name, kind)),
@@ -140,10 +144,5 @@ def identifier(name: str, kind: str) -> str:
     return "_" + re.sub(r"\W", "_", f"{name}_{kind}", flags=re.ASCII)
 
 
-def _quoted(text: str) -> str:
-    """A string of C#, which JSON's are, too."""
-    return json.dumps(text, ensure_ascii=False)
-
-
 def _inside_quotes(text: str) -> str:
-    return _quoted(text)[1:-1]
+    return csharp_string(text)[1:-1]

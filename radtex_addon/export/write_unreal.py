@@ -17,6 +17,7 @@ import numpy as np
 
 from ..bake.kinds import Kind
 from ..core.arrays import Floats
+from ..core.quoting import in_comment, python_string
 from ..formats.containers.glb import Glb
 from ..forms.hlsl_lookup import ARGUMENTS, SAMPLER, HlslLookup, Number, keeps_levels, numbers
 from ..textures.export_spec import Target
@@ -65,7 +66,12 @@ def write_unreal(pack: Pack, folder: Path) -> None:
     words |= {"CLEAR": str(is_clear(glb)), "TWO_SIDED": str(not culled)}
     write_text_file(folder / script, filled(TEMPLATES / SCRIPT, words))
     files = "\n".join(file_lines(manifest, ATTRIBUTES))
-    readme = {"NAME": name, "SCRIPT": script, "IDENTIFIER": identifier(name, kind), "FILES": files}
+    readme = {
+        "NAME": in_comment(name),
+        "SCRIPT": script,
+        "IDENTIFIER": identifier(name, kind),
+        "FILES": files,
+    }
     write_text_file(folder / "README.txt", filled(TEMPLATES / "README.txt", readme))
     write_text_file(folder / "LICENSE.txt", (SHADERS / "LICENSE").read_text(encoding="utf-8"))
 
@@ -85,8 +91,8 @@ def custom_text(name: str, script: str, lookup: HlslLookup, baked: Floats, mater
     values = [f"radtex.{texture} = {texture_input(texture)};" for texture in lookup.textures]
     values.append(f"radtex.{SAMPLER} = {texture_input(next(iter(lookup.textures)))}Sampler;")
     words = {
-        "NAME": name,
-        "SCRIPT": script,
+        "NAME": in_comment(name),
+        "SCRIPT": in_comment(script),
         "MORE": _more_inputs(lookup),
         "DEFINES": defines,
         "STRUCTS": structs,
@@ -130,9 +136,9 @@ def script_words(
         for each, entry in lookup.textures.items()
     ]
     return {
-        "NAME": name.replace('"', "'").replace("\\", "/"),
+        "NAME": in_comment(name).replace('"', "'").replace("\\", "/"),  # in a docstring
         "IDENTIFIER": identifier(name, kind),
-        "MESH": repr(mesh),
+        "MESH": python_string(mesh),
         "TEXTURES": repr(textures),
         "MATERIALS": repr(list(codes.items())),
         "PLACES": str(reads_places(lookup)),

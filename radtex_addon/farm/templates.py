@@ -4,9 +4,9 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
+from ..core.quoting import in_comment, yaml_string
 from .farm_files import FarmFiles
 from .farm_manifest import Manifest
 
@@ -17,7 +17,7 @@ _NAME_MOST = 100  # OpenJD's limit is 128
 
 def write_templates(files: FarmFiles, manifest: Manifest) -> None:
     """Write the templates into the farm's folder, with the farm's frame numbers."""
-    name = json.dumps(f"RadTex {manifest.name[:_NAME_MOST]} {manifest.spec.kind}")
+    name = yaml_string(in_comment(f"RadTex {manifest.name[:_NAME_MOST]} {manifest.spec.kind}"))
     frames = f"1-{manifest.sheets}" if manifest.sheets > 1 else "1"
     for source in (OPENJD, FLAMENCO, files.runner.name):
         text = (_FOLDER / source).read_text(encoding="utf-8")

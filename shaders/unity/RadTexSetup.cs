@@ -40,6 +40,7 @@ namespace RadTexExports.@IDENTIFIER@
                 throw new InvalidOperationException(
                     "RadTex: set Project Settings > Player > Color Space to Linear, then set up " + Name + " again");
             }
+            CheckNames();
             string folder = Folder();
             ImportTextures(folder);
             Dictionary<int, Material> materials = MakeMaterials(folder);
@@ -57,6 +58,49 @@ namespace RadTexExports.@IDENTIFIER@
                 throw new InvalidOperationException("RadTex: copy the folder of " + Name + " into Assets: " + folder);
             }
             return folder.Substring(project.Length);
+        }
+
+        static void CheckNames()
+        {
+            var files = new List<string> { Name + ".shader", "@MESH@" };
+            var endings = new List<string[]> { new[] { ".shader" }, new[] { ".glb" } };
+            for (int k = 0; k < Textures.GetLength(0); k++)
+            {
+                files.Add(Textures[k, 1]);
+                endings.Add(new[] { ".dds", ".exr" });
+            }
+            for (int k = 0; k < files.Count; k++)
+            {
+                if (!IsPlain(files[k], endings[k]))
+                {
+                    throw new InvalidOperationException("RadTex: " + files[k] + " is no file of this folder: export it again");
+                }
+            }
+        }
+
+        // Whether it is the name of a file in the export's folder, with one of these endings: nothing else is opened. The rule
+        // is that of docs/format.md of RadTex, "What a reader refuses".
+        public static bool IsPlain(string name, params string[] endings)
+        {
+            if (name.Length > 255 || name.Trim() == "" || name[0] == '.' || name[0] == ' ')
+            {
+                return false;
+            }
+            foreach (char mark in name)
+            {
+                if (char.IsControl(mark) || mark == '\u2028' || mark == '\u2029' || "<>:\"/\\|?*".IndexOf(mark) >= 0)
+                {
+                    return false;
+                }
+            }
+            string device = name.Split('.')[0].TrimEnd(' ').ToLowerInvariant();
+            bool numbered = device.Length == 4 && device[3] >= '0' && device[3] <= '9';
+            string[] devices = { "con", "prn", "aux", "nul" };
+            if (Array.IndexOf(devices, device) >= 0 || (numbered && (device.StartsWith("com") || device.StartsWith("lpt"))))
+            {
+                return false;
+            }
+            return Array.Exists(endings, ending => name.EndsWith(ending, StringComparison.Ordinal));
         }
 
         static void ImportTextures(string folder)
@@ -207,6 +251,20 @@ namespace RadTexExports.@IDENTIFIER@
             }
             int height = BitConverter.ToInt32(file, 12), width = BitConverter.ToInt32(file, 16);
             int levels = Math.Max(BitConverter.ToInt32(file, 28), 1), layers = BitConverter.ToInt32(file, 140);
+            if (width < 1 || width > 16384 || height < 1 || height > 16384 || layers < 1 || layers > 2048
+                || levels > 15 || Math.Max(width, height) >> (levels - 1) == 0)
+            {
+                throw new InvalidDataException("RadTex: " + name + " has impossible sizes: export it again");
+            }
+            long whole = 0;
+            for (int level = 0; level < levels; level++)
+            {
+                whole += Bytes(format, Math.Max(width >> level, 1), Math.Max(height >> level, 1));
+            }
+            if (Header + whole * layers > file.Length)
+            {
+                throw new InvalidDataException("RadTex: " + name + " is cut short: export it again");
+            }
             TextureCreationFlags flags = levels > 1 ? TextureCreationFlags.MipChain : TextureCreationFlags.None;
             Texture2D single = layers > 1 ? null : new Texture2D(width, height, format, levels, flags);
             Texture2DArray array = layers > 1 ? new Texture2DArray(width, height, layers, format, flags, levels) : null;
@@ -216,10 +274,6 @@ namespace RadTexExports.@IDENTIFIER@
                 for (int level = 0; level < levels; level++)
                 {
                     var data = new byte[Bytes(format, Math.Max(width >> level, 1), Math.Max(height >> level, 1))];
-                    if (place + data.Length > file.Length)
-                    {
-                        throw new InvalidDataException("RadTex: " + name + " is cut short: export it again");
-                    }
                     Buffer.BlockCopy(file, place, data, 0, data.Length);
                     place += data.Length;
                     if (array == null)
@@ -248,16 +302,16 @@ namespace RadTexExports.@IDENTIFIER@
             return texture;
         }
 
-        static int Bytes(GraphicsFormat format, int width, int height)
+        static long Bytes(GraphicsFormat format, int width, int height)
         {
             switch (format)
             {
                 case GraphicsFormat.R16G16B16A16_SFloat:
-                    return 8 * width * height;
+                    return 8L * width * height;
                 case GraphicsFormat.R8G8B8A8_UNorm:
-                    return 4 * width * height;
+                    return 4L * width * height;
                 default:
-                    int block = format == GraphicsFormat.R_BC4_UNorm ? 8 : 16;
+                    long block = format == GraphicsFormat.R_BC4_UNorm ? 8 : 16;
                     return block * ((width + 3) / 4) * ((height + 3) / 4);
             }
         }

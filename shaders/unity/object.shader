@@ -3,7 +3,7 @@
 //
 // Shows @NAME@, a radiance texture: light that was path traced, for every direction that one may look from. One
 // subshader for each render pipeline; Unity takes the one that it is for. Unlit: lamps of the scene add nothing.
-Shader "RadTex/@TITLE@"
+Shader @TITLE@
 {
     Properties
     {
@@ -28,7 +28,7 @@ Shader "RadTex/@TITLE@"
         #define RADTEX_TO_VIEWER(world) GetWorldSpaceViewDir(world)
         #define RADTEX_TO_OBJECT(direction) mul((float3x3)GetWorldToObjectMatrix(), direction)
         #define RADTEX_PIPELINE_EXPOSURE 1.0
-        #include "@NAME@.hlsl"
+        #include @NUMBERS@
         ENDHLSL
 
         Pass
@@ -121,7 +121,7 @@ Shader "RadTex/@TITLE@"
         #define RADTEX_TO_OBJECT(direction) mul((float3x3)GetWorldToObjectMatrix(), direction)
         #define RADTEX_TO_CLIP(world, v) TransformWorldToHClip(world)
         #define RADTEX_PIPELINE_EXPOSURE lerp(1.0, GetCurrentExposureMultiplier(), _RadtexFollowExposure)
-        #include "@NAME@.hlsl"
+        #include @NUMBERS@
         #include "shaders/radtex_unity.hlsl"
         ENDHLSL
 
@@ -181,7 +181,7 @@ Shader "RadTex/@TITLE@"
             #define RADTEX_TO_VIEWER(world) (unity_OrthoParams.w < 0.5 ? _WorldSpaceCameraPos - world : UNITY_MATRIX_V[2].xyz)
             #define RADTEX_TO_OBJECT(direction) mul((float3x3)unity_WorldToObject, direction)
             #define RADTEX_PIPELINE_EXPOSURE 1.0
-            #include "@NAME@.hlsl"
+            #include @NUMBERS@
             #include "shaders/radtex_unity.hlsl"
             ENDHLSL
         }

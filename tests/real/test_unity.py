@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 import shutil
+from base64 import b64encode
 from collections import deque
 from dataclasses import dataclass
 from functools import cache
@@ -32,6 +33,7 @@ from tests.real.exhibit import Bake, Exhibit, Form
 from tests.real.hlsl import COMPILERS
 from tests.real.webgpu import Resource, Sampler, fields
 from tests.reference.importers import attributes_of, gltfast
+from tests.strangers.attacks import elsewhere
 from tests.transfer_lookups import IRRADIANCE
 
 NAME = "Made up"
@@ -219,7 +221,8 @@ def pixels(levels: int, layers: int) -> list[Floats]:
 def reader(compilers: Compilers) -> tuple[Path, str]:
     """The exported script, compiled against the declarations, with a program that reads a DDS by it."""
     host, inside = compilers.tools.shared("unity")
-    script = script_text(NAME, "radiance", "Made up.glb", asked_of("layered").lookup, {"A": 0, 'B "b"': 1})
+    materials = {"A": 0, 'B "b"': 1, "C\\\u2028\n\r\u2029\u0085\\": 2}
+    script = script_text(NAME, "radiance", "Made up.glb", asked_of("layered").lookup, materials)
     (host / "Script.cs").write_text(script, encoding="utf-8")
     for name in ("Declarations.cs", "ReadDds.cs"):
         shutil.copyfile(HEADERS / name, host / name)
@@ -256,6 +259,41 @@ def test_the_script_reads_textures_to_the_last_bit(
     (host / "made.dds").write_bytes(whole[:-1])
     run = compilers.tools.run(command, cwd=inside)
     assert (run.returncode, run.stderr) == (1, "RadTex: the file is cut short: export it again\n")
+
+
+def test_the_script_reads_no_texture_of_impossible_sizes(
+    compilers: Compilers, reader: tuple[Path, str]
+) -> None:
+    host, inside = reader
+    write_texture(host / "made.dds", encode_texture(pixels(1, 1), PixelFormat.RGBA16F))
+    whole = (host / "made.dds").read_bytes()
+    most = 1 << 30
+    for place, number in ((12, 0), (12, most), (16, -5), (28, 20), (28, most), (140, 0), (140, most)):
+        damaged = bytearray(whole)
+        damaged[place : place + 4] = number.to_bytes(4, "little", signed=True)
+        (host / "made.dds").write_bytes(damaged)
+        run = compilers.tools.run(["mono", "read.exe", "made.dds", "given.bin"], cwd=inside)
+        said = "RadTex: the file has impossible sizes: export it again\n"
+        assert (run.returncode, run.stderr) == (1, said), (place, number)
+
+
+def test_the_script_opens_no_file_elsewhere(compilers: Compilers, reader: tuple[Path, str]) -> None:
+    host, inside = reader
+    names = ["Vase.radiance.dds", "Käse 2.radiance.colour.exr", *elsewhere(".dds")]
+    (host / "names").write_bytes(b"\n".join(b64encode(name.encode()) for name in names))
+    run = compilers.tools.run(["mono", "read.exe", "names"], cwd=inside)
+    assert run.stdout.split() == ["True", "True", *["False"] * (len(names) - 2)], run.stderr
+
+
+def test_names_end_no_line_of_the_shader() -> None:
+    asked = asked_of("layered")
+    evil = 'Va"se\u2028evil\nevil\revil\u0085evil\\'
+    code = object_text(evil, asked.lookup, asked.mesh.baked, clear=False)
+    shader = shader_text(evil, evil, asked.lookup, clear=False, culled=False)
+    for text in (code, shader):
+        assert not [line for line in text.splitlines() if line.lstrip().startswith("evil")]
+    (title,) = re.findall(r"^Shader (.*)$", shader, re.MULTILINE)
+    assert re.fullmatch(r'"RadTex/[^"]*"', title)
 
 
 @pytest.mark.parametrize("form", Form)

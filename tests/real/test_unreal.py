@@ -39,6 +39,7 @@ from tests.real.exhibit import Bake, Exhibit, Form
 from tests.real.unreal_editor import Editor
 from tests.real.webgpu import Resource, Sampler, fields
 from tests.reference.importers import attributes_of, unreal
+from tests.strangers.attacks import elsewhere
 from tests.transfer_lookups import IRRADIANCE
 
 FORMS_TAKEN = [form for form in FORMS if form != "buckets in pages"]
@@ -169,6 +170,35 @@ def test_the_script_connects_each_input_of_the_code(form: str, tmp_path: Path) -
         )
         assert list(custom.inputs) == arguments[: len(custom.inputs)]
         assert textures < set(custom.inputs)
+
+
+def test_names_end_no_line_of_the_script_and_the_code(tmp_path: Path) -> None:
+    asked, evil = asked_of("layered"), 'Va"""se\u2028evil\nevil\revil\u0085evil\\'
+    words = script_words(evil, "radiance", "Vase.glb", asked.lookup, {evil: "Vase.custom.hlsl"})
+    words |= {"CLEAR": "True", "TWO_SIDED": "False"}
+    code = custom_text(evil, "import.py", asked.lookup, asked.mesh.baked)
+    (tmp_path / "Vase.custom.hlsl").write_text(code, encoding="utf-8")
+    script = tmp_path / "import.py"
+    script.write_text(filled(TEMPLATES / SCRIPT, words), encoding="utf-8")
+    for text in (code, script.read_text(encoding="utf-8")):
+        assert not [line for line in text.splitlines() if line.lstrip().startswith("evil")]
+    Editor([evil]).run(script)
+
+
+def test_the_script_opens_no_file_elsewhere(tmp_path: Path) -> None:
+    asked = asked_of("layered")
+    words = script_words("Vase", "radiance", "Vase.glb", asked.lookup, {"Vase": "Vase.custom.hlsl"})
+    words |= {"CLEAR": "True", "TWO_SIDED": "False"}
+    for key in ("MESH", "TEXTURES", "MATERIALS"):
+        for name in elsewhere({"MESH": ".glb", "TEXTURES": ".dds", "MATERIALS": ".hlsl"}[key]):
+            evil = {"MESH": name, "TEXTURES": [("Atlas", name, False)], "MATERIALS": [("Vase", name)]}
+            script = tmp_path / "import.py"
+            text = filled(TEMPLATES / SCRIPT, words | {key: repr(evil[key])})
+            script.write_text(text, encoding="utf-8")
+            editor = Editor(["Vase"])
+            with pytest.raises(RuntimeError, match="is no file of this folder"):
+                editor.run(script)
+            assert not editor.files
 
 
 @pytest.mark.parametrize("form", Form)

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 _FACTS = json.loads(Path(__file__).with_name("extensions.json").read_text(encoding="utf-8"))
+OF_ANOTHER_CONTAINER = "a texture of another container"  # whose name is fine, but for its ending
 BASES: dict[str, dict[str, Any]] = _FACTS["bases"]
 
 
@@ -23,11 +24,12 @@ def attacks(reader: str) -> list[tuple[str, dict[str, Any]]]:
     return [(each["what"], _changed(each)) for each in _FACTS["attacks"] if reader in each["readers"]]
 
 
-def attacked_files() -> list[tuple[str, str]]:
-    """What each attack by the name of a texture is, and that name, where it is text."""
+def elsewhere(ending: str) -> list[str]:
+    """Names that no reader may open; where they have a good ending, it is this one, such as ".dds"."""
     wanted = ["textures", "radiance", "file"]
     changes = [(each["what"], *change) for each in _FACTS["attacks"] for change in each["changes"]]
-    return [(what, name) for what, path, name in changes if path == wanted and isinstance(name, str)]
+    names = [name for what, path, name in changes if path == wanted and what != OF_ANOTHER_CONTAINER]
+    return [name.replace(".ktx2", ending) for name in names if isinstance(name, str)]
 
 
 def _changed(attack: dict[str, Any]) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 // The export's manifest, <name>.export.json: which file is which. docs/format.md describes it.
 
+import { isPlainStem, problemOf } from "./checks.js";
 import { fetchBytes } from "./fetching.js";
 import { isKind, type Kind } from "./kinds.js";
 import { Problem } from "./problem.js";
@@ -126,6 +127,7 @@ export async function readAnyManifest(url: URL): Promise<Manifest | SceneManifes
   if (!Array.isArray((manifest as Partial<SceneManifest> | null)?.scene)) return checkManifest(manifest as Manifest, url);
   const { scene, ...whole } = manifest as SceneManifest;
   if (!scene.length) throw damaged(url, "it has no bakes");
+  if (!isPlainStem(whole.name)) throw damaged(url, "its “name” is not what its files are called");
   const parts = scene.map((part) => ({ ...checkManifest({ ...part, mesh: whole.mesh }, url), node: part.node }));
   return { ...whole, scene: parts };
 }
@@ -159,6 +161,8 @@ export function checkManifest(manifest: Manifest | undefined, url: URL): Manifes
     throw damaged(url, "its “bake” is no sidecar that this page knows");
   }
   if (layout === "layered" && !manifest.shader?.materials?.length) throw damaged(url, "it has no “shader”");
+  const problem = problemOf(manifest);
+  if (problem) throw damaged(url, problem);
   return manifest;
 }
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: MIT
 // The exported .glb: its meshes, their materials' numbers, and the flat lightmap.
 
-import { type Material, Mesh, type MeshBasicMaterial, type Object3D, type Texture } from "three";
+import { LoadingManager, type Material, Mesh, type MeshBasicMaterial, type Object3D, type Texture } from "three";
 import { type GLTF, GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 
 import { fetchBytes } from "./fetching.js";
@@ -38,7 +38,7 @@ export async function loadMeshFile(url: URL): Promise<MeshFile> {
   const bytes = await fetchBytes(url, "high");
   let gltf: GLTF;
   try {
-    gltf = await new GLTFLoader().parseAsync(bytes.buffer, "");
+    gltf = await new GLTFLoader(ofItself()).parseAsync(bytes.buffer, "");
   } catch {
     throw new Problem(`${fileName(url)} is damaged: it cannot be read as glTF`, "Copy it once more, or export again.");
   }
@@ -51,6 +51,14 @@ export async function loadMeshFile(url: URL): Promise<MeshFile> {
     return found?.pbrMetallicRoughness?.baseColorTexture?.extensions?.[EXTENSION];
   };
   return { root: scene, factsOf };
+}
+
+/** Lets a .glb have what is inside it alone, as RadTex writes it: a stranger's may name any server. */
+function ofItself(): LoadingManager {
+  return new LoadingManager().setURLModifier((url) => {
+    if (/^(blob|data):/.test(url)) return url;
+    throw new Error(`it names another file, ${url}`);
+  });
 }
 
 /** A bake below an object of a .glb that was loaded from `url`. Throws a Problem where it lacks what lookups need. */
