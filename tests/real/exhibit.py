@@ -195,9 +195,8 @@ def _paint_upper_half(head: Any) -> None:
         face.material_index = int(face.center.z > 0)
 
 
-def main(form: Form, folder: Path) -> None:
-    """Bake the head in one form, with its preview."""
-    small_unless_kept()
+def stage(form: Form) -> bpy.types.Scene:
+    """Open the head's scene."""
     scene = build_demo_scene()
     head: Any = bpy.data.objects[OBJECT]
     head.matrix_world = PLACE
@@ -205,7 +204,13 @@ def main(form: Form, folder: Path) -> None:
     gold.inputs["Metallic"].default_value = 0.6
     if form is Form.LAYERED:
         _paint_upper_half(head)
-    bake_object(scene, OBJECT, form.spec, folder, preview=Filter.QUADRILINEAR, overwrite=True)
+    return scene
+
+
+def main(form: Form, folder: Path) -> None:
+    """Bake the head in one form, with its preview."""
+    small_unless_kept()
+    bake_object(stage(form), OBJECT, form.spec, folder, preview=Filter.QUADRILINEAR, overwrite=True)
 
 
 if __name__ == "__main__":

@@ -151,7 +151,8 @@ class Shot:
     the place of the mirror ball, in Blender's world, and its radius. `behind` names a PNG in the project that
     fills the picture behind the scene, and behind those of later shots. `sun`, if any, is a
     DirectionalLight3D of this and later shots; `sky` the grey levels above and below the horizon of a sky
-    that gives ambient light.
+    that gives ambient light. `copies` are matrices (4, 4), in Godot's axes: the mesh is shown at each of them,
+    and not where it stood, by a MultiMesh, or by a node each.
     """
 
     camera: Camera
@@ -161,6 +162,8 @@ class Shot:
     behind: str | None = None
     sun: Sun | None = None
     sky: tuple[float, float] | None = None
+    copies: Sequence[Floats] = ()
+    as_nodes: bool = False
 
     def facts(self, output: str) -> dict[str, object]:
         """What shoot.gd must know; matrices are Godot's, rows of four."""
@@ -180,6 +183,8 @@ class Shot:
             "behind": "" if self.behind is None else f"res://{self.behind}",
             "sun": None if self.sun is None else {**asdict(self.sun), "towards": self.sun.towards.tolist()},
             "sky": self.sky,
+            "copies": [matrix.tolist() for matrix in self.copies],
+            "as_nodes": self.as_nodes,
             "output": output,
         }
 

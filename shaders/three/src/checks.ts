@@ -95,29 +95,28 @@ function checkAll(facts: Facts): void {
   positiveAt(facts, "flat_scale");
   expect([undefined, true, false].includes(facts["culled"] as boolean), "culled", facts["culled"], "true or false");
   const textures = objectAt(facts, "textures");
-  checkBake(objectAt(facts, "bake"), textures);
+  checkBake(objectAt(facts, "bake"), textures, "shader" in facts);
   const names = Object.keys(textures);
   expect(names.length >= 1 && names.length <= MOST_TEXTURES, "textures", names.length, `1 to ${MOST_TEXTURES}`);
   for (const name of names) {
     expect(/^[A-Za-z_]\w{0,39}$/.test(name), "textures", name, "names of layers");
     checkTexture(objectAt(textures, name));
   }
-  const layered = objectAt(facts, "bake")["layout"] === "layered";
-  expect("shader" in facts === layered, "shader", facts["shader"], "it with the layout layered, and no other");
-  if (layered) {
+  if ("shader" in facts) {
     const materials = checkShader(objectAt(facts, "shader"), textures);
     if ("material" in facts) wholeAt(facts, "material", 0, materials - 1);
   }
   if ("mirror" in facts) checkMirror(objectAt(facts, "mirror"));
 }
 
-function checkBake(bake: Facts, textures: Facts): void {
+function checkBake(bake: Facts, textures: Facts, hasShader: boolean): void {
   const { kind } = bake;
   expect(typeof kind === "string" && isKind(kind), "kind", kind, "a kind that is shown");
-  choiceAt(bake, "layout", LAYOUTS);
+  const layout = choiceAt(bake, "layout", LAYOUTS);
   sizeAt(bake, "texels", MOST_TEXELS);
   wholeAt(bake, "bucket", 1, MOST_PIXELS);
-  if (bake["layout"] === "layered") choiceAt(bake, "kind", SEEN);
+  expect(hasShader || layout !== "layered", "shader", null, "an object");
+  if (hasShader) choiceAt(bake, "kind", SEEN);
   else expect(Object.hasOwn(textures, kind), "textures", Object.keys(textures), `one of its kind, ${kind}`);
   const transfer = kind === "transfer" ? objectAt(bake, "transfer") : {};
   if ("views" in transfer) wholeAt(transfer, "views", 2, MOST_VIEWS);

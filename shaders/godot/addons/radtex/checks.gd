@@ -53,14 +53,12 @@ func _init(facts: Dictionary) -> void:
 	var culled: Variant = facts.get("culled", false)
 	_expect(culled is bool, "culled", culled, "true or false")
 	var textures := _inner(facts, "textures")
-	_check_bake(_inner(facts, "bake"), textures)
+	_check_bake(_inner(facts, "bake"), textures, facts.has("shader"))
 	_expect(textures.size() in range(1, MOST_TEXTURES + 1), "textures", textures.size(), "1 to %d" % MOST_TEXTURES)
 	for name: String in textures:
 		_expect(_is_word(name), "textures", name, "names of layers")
 		_check_texture("textures." + name, _inner(textures, name))
-	var layered: bool = problem.is_empty() and facts.bake.layout == "layered"
-	_expect(facts.has("shader") == layered, "shader", facts.get("shader"), "it with the layout layered, and no other")
-	if layered:
+	if facts.has("shader"):
 		_check_shader(_inner(facts, "shader"), textures)
 		var number: Variant = facts.get("material", 0)
 		var last: int = facts.shader.materials.size() - 1 if problem.is_empty() else 0
@@ -122,13 +120,14 @@ func _check_numbers(part: Dictionary, key: String, count: int) -> void:
 	_expect(_are_numbers(part.get(key), count), key, part.get(key), "%d numbers" % count)
 
 
-func _check_bake(bake: Dictionary, textures: Dictionary) -> void:
+func _check_bake(bake: Dictionary, textures: Dictionary, has_shader: bool) -> void:
 	_check_choice(bake, "kind", KINDS)
 	_check_choice(bake, "layout", LAYOUTS)
 	_check_size(bake, "texels", MOST_TEXELS)
 	_check_whole(bake, "bucket", 1, MOST_PIXELS)
-	if problem.is_empty() and bake.layout == "layered":
-		_expect(bake.kind in SEEN, "kind", bake.kind, " or ".join(PackedStringArray(SEEN)))
+	_expect(has_shader or bake.get("layout") != "layered", "shader", null, "an object")
+	if has_shader:
+		_check_choice(bake, "kind", SEEN)
 	elif problem.is_empty():
 		_expect(textures.has(bake.kind), "textures", textures.keys(), "one of its kind, %s" % bake.kind)
 	if problem.is_empty() and bake.kind == "transfer":

@@ -23,6 +23,7 @@ func _initialize() -> void:
 		for mesh: MeshInstance3D in main.find_children("*", "MeshInstance3D", true, false):
 			for parameter: String in shot.parameters:
 				mesh.get_active_material(0).set_shader_parameter(parameter, value(shot.parameters[parameter]))
+		show_copies(main, shot.copies, shot.as_nodes)
 		if shot.sun:
 			place_sun(main, shot.sun)
 		if shot.sky:
@@ -34,6 +35,35 @@ func _initialize() -> void:
 			await RenderingServer.frame_post_draw
 		root.get_texture().get_image().save_png(shot.output)
 	quit()
+
+
+## Show the mesh at these places alone, as instances of one MultiMesh or as nodes; at its own where there are none.
+func show_copies(main: Node3D, places: Array, as_nodes: bool) -> void:
+	for node: Node in main.find_children("Copy*", "GeometryInstance3D", false, false):
+		node.free()
+	var own: Array[Node] = main.find_children("*", "MeshInstance3D", true, false)
+	for mesh: MeshInstance3D in own:
+		mesh.visible = places.is_empty()
+	if places.is_empty():
+		return
+	var shown: MeshInstance3D = own[0]
+	if as_nodes:
+		for place: Array in places:
+			var copy: MeshInstance3D = shown.duplicate()
+			copy.name = "Copy"
+			copy.visible = true
+			copy.transform = placed(place) * shown.global_transform
+			main.add_child(copy, true)
+		return
+	var crowd := MultiMeshInstance3D.new()
+	crowd.name = "Copy"
+	crowd.multimesh = MultiMesh.new()
+	crowd.multimesh.transform_format = MultiMesh.TRANSFORM_3D
+	crowd.multimesh.mesh = shown.mesh
+	crowd.multimesh.instance_count = places.size()
+	for number in places.size():
+		crowd.multimesh.set_instance_transform(number, placed(places[number]) * shown.global_transform)
+	main.add_child(crowd)
 
 
 ## What fills the picture where the environment's background is the canvas.
