@@ -151,8 +151,8 @@ class Shot:
     the place of the mirror ball, in Blender's world, and its radius. `behind` names a PNG in the project that
     fills the picture behind the scene, and behind those of later shots. `sun`, if any, is a
     DirectionalLight3D of this and later shots; `sky` the grey levels above and below the horizon of a sky
-    that gives ambient light. `copies` are matrices (4, 4), in Godot's axes: the mesh is shown at each of them,
-    and not where it stood, by a MultiMesh, or by a node each.
+    that gives ambient light. `copies` are matrices (4, 4), in Godot's axes: the mesh is shown at each of
+    them, and not where it stood, by a MultiMesh, or by a node each.
     """
 
     camera: Camera

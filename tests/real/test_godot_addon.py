@@ -28,6 +28,7 @@ from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.formats.containers.glb import Glb
 from radtex_addon.report.metrics import Picture, display
 from radtex_addon.textures.export_spec import Arrangement, ExportSpec, Target, TextureFormat
+from tests.gltf_schema import EXTENSION_FOLDER
 from tests.real.exhibit import CAMERAS, Camera, Exhibit, Form, decibels
 from tests.real.godot import ALL_RENDERERS, MOBILE, Shot, dropped, filled, pictures, said_by_godot
 from tests.real.kinds import SPECS, KindBake, Sun, baked
@@ -201,6 +202,18 @@ def test_what_it_cannot_load_it_names_and_the_flat_lightmap_shows(
     glb.write(mesh)
     assert "was exported in version 2" in _import_errors(root, export)
     assert "Root Scale 2" in _import_errors(root, whole, {"nodes/root_scale": 2.0})
+
+
+@pytest.mark.parametrize("extract", [0, 1])
+def test_the_editor_makes_no_levels_of_detail(extract: int, root: Root) -> None:
+    """Nor does it where the Import dock's Materials: Extract makes files of the materials."""
+    settings = {"materials/extract": extract, "materials/extract_format": 0, "materials/extract_path": ""}
+    folder, inside = filled(root, EXTENSION_FOLDER / "example", settings=settings)
+    said_by_godot(root, ["--headless", "--path", inside, "--import"])
+    assert len(list(folder.glob("*.tres"))) == extract
+    shutil.copy(Path(__file__).parent / "inside/godot/lods.gd", folder)
+    said = said_by_godot(root, ["--headless", "--path", inside, "--script", "res://lods.gd"])
+    assert "Ball: 1 surface, 0 levels of detail, of radtex/surfaces" in said
 
 
 def _import_errors(root: Root, export: Path, settings: dict[str, object] | None = None) -> str:

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Instances of a MultiMesh in Godot, each turned in its own way: they look as the same nodes do.
 
-A MultiMesh draws its instances in their order, and the backs of mirrored ones: what is blended does not overlap
-here, and of the hull, which is culled, none is mirrored.
+A MultiMesh draws its instances in their order, and the backs of mirrored ones: what is blended does not
+overlap here, and of the hull, which is culled, none is mirrored.
 With RADTEX_FIGURES=docs/figures pictures are kept; godot-crowd.png is path traced, then instances.
 """
 
@@ -113,10 +113,8 @@ def test_turned_instances_show_what_is_path_traced(exhibit: Exhibit, root: Root,
         print(f"turned by {STANDING[number][0]}: {found:.1f} dB, path traced {near:.1f} dB")
         assert found > LEAST
         assert near > TRACED
-    alone = [
-        np.where(bake.inside(camera)[..., None], seen, 0)
-        for camera, seen in zip(cameras, traced, strict=True)
-    ]
+    shown = zip(cameras, traced, strict=True)
+    alone = [np.where(bake.inside(camera)[..., None], seen, 0) for camera, seen in shown]
     _keep("godot-crowd", [sum(alone[1:], alone[0]), crowd])
 
 

@@ -1,0 +1,17 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+extends SceneTree
+## Says of Ball.glb what was made of its mesh, and whether its material is the addon's.
+
+
+func _initialize() -> void:
+	var scene: Node = load("res://Ball.glb").instantiate()
+	for node: MeshInstance3D in scene.find_children("*", "MeshInstance3D", true, false):
+		var levels := 0
+		for surface: Dictionary in node.mesh.get("_surfaces"):
+			levels += surface.get("lods", []).size()
+		var shader: Shader = node.mesh.surface_get_material(0).get("shader")
+		var ours := "radtex/surfaces" if shader and "radtex/surfaces" in shader.code else "another"
+		print("%s: %d surface, %d levels of detail, of %s" % [node.name, node.mesh.get_surface_count(), levels, ours])
+	scene.free()
+	quit()
