@@ -4,7 +4,7 @@
 
 A MultiMesh draws its instances in their order, and the backs of mirrored ones: what is blended does not
 overlap here, and of the hull, which is culled, none is mirrored.
-With RADTEX_FIGURES=docs/figures pictures are kept; godot-crowd.png is path traced, then instances.
+With RADTEX_FIGURES=docs/figures godot-crowd.png is kept: path traced, then instances.
 """
 
 from __future__ import annotations
@@ -36,8 +36,8 @@ from tests.real.kinds import KindBake, Sun, baked
 from tests.real.root import Root
 
 FRONT = CAMERAS[0]
-LEAST = 38.0  # dB against the reference
-TRACED = 22.0  # dB against path tracing, with a few samples: of another's directions it is below 17
+LEAST = 36.0  # dB against the reference, of small heads; 20 and less where each is lit as the node is turned
+TRACED = 24.0  # dB against path tracing, of which a bake with two samples falls short; 19 and less likewise
 SAME = 45.0  # dB between instances and nodes: a matrix is multiplied in another order
 FIGURES = os.environ.get("RADTEX_FIGURES")
 SUN = Sun(-40, 45, strength=3)
@@ -54,7 +54,7 @@ def turned(angle: float, axis: Sequence[float], place: Sequence[float], scale: S
     return matrix
 
 
-STANDING = [(70, -0.95), (-120, 0.0), (200, 0.95)]  # degrees, and how far aside
+STANDING = [(70, -0.75), (-120, 0.75)]  # degrees, and how far aside
 SAMPLES = 64
 FROM_GODOT = np.array([[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
 # Turned, of two sizes, stretched, mirrored: in Godot's axes, about the head's place.
@@ -85,7 +85,6 @@ def check_the_same(place: tuple[Path, str], root: Root, shot: Shot, name: str) -
         seen = nodes.max(axis=2) > 0.001
         found = decibels(crowd, nodes, seen)
         print(f"{name}, {renderer}: {found:.1f} dB over {seen.mean():.0%} of the picture")
-        _keep(f"godot-crowd-{name}-{renderer}", [crowd, nodes])
         assert seen.mean() > 0.1
         assert np.std(nodes[seen]) > 0.01
         assert found > SAME
@@ -145,7 +144,8 @@ def test_instances_of_other_kinds_look_as_nodes_do(
 
 
 def _keep(name: str, strip: list[Picture]) -> None:
+    """Keep pictures side by side, if somebody asked for them."""
     if FIGURES:
         shown = display(np.concatenate(strip, axis=1))
         image = Image.fromarray((shown * 255 + 0.5).astype(np.uint8))
-        image.save(Path(FIGURES, f"{name.replace('+', '')}.png"), optimize=True)
+        image.save(Path(FIGURES, f"{name}.png"), optimize=True)
