@@ -48,7 +48,7 @@ def test_a_density_that_would_overflow_is_refused(density: float) -> None:
     "given", [{"kind": Kind.AO, "ao_distance": 0.0}, {"source": "Other", "extrusion": 0.0}]
 )
 def test_a_distance_whose_square_is_no_float_is_refused(given: dict[str, Any], distance: float) -> None:
-    beyond = {name: distance if value == 0 else value for name, value in given.items()}
+    beyond: dict[str, Any] = {name: distance if value == 0 else value for name, value in given.items()}
     with pytest.raises(InputError, match=r"from 1e-18 to 1e\+18, in scene units"):
         BakeSpec(**beyond)
 
