@@ -12,6 +12,7 @@ from typing import Any
 import bpy
 import pytest
 
+from radtex_addon.cli import interruption
 from radtex_addon.cli import main as batch_module
 from tests.blender import surroundings
 from tests.blender.batch_process import Batch, Outcome
@@ -78,8 +79,9 @@ def out(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def batch(capfd: pytest.CaptureFixture[str]) -> Batch:
-    """Run the batch in this process."""
+def batch(capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Batch:
+    """Run the batch in this process, which no signal ends."""
+    monkeypatch.setattr(interruption, "_PATIENCE", 600.0)
 
     def run(*arguments: object, inside_blender: bool = False) -> Outcome:
         capfd.readouterr()

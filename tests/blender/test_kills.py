@@ -76,6 +76,23 @@ def test_files_are_the_same_however_often_the_bake_was_killed(tmp_path: Path) ->
     assert tally.bakes
 
 
+def test_a_signal_ends_a_bake_in_the_midst_of_a_long_render(tmp_path: Path) -> None:
+    """Its first render would take a day."""
+    arguments = ("--layout", "buckets", "--texels", "64", "--bucket", "8", "--samples", "1000000")
+    endless = Command(save_room(tmp_path / "room.blend"), tmp_path / "temporary", arguments)
+    running = endless.start(tmp_path / "out")
+    assert running.wait_for("capture")
+    running.process.send_signal(signal.SIGTERM)
+    try:
+        ended = running.end(30)
+    finally:
+        running.process.kill()
+    said = "interrupted; what is finished of 'Ball' is kept: go on with it (--resume)"
+    assert (ended.code, ended.err, ended.error) == (130, f"radtex: {said}\n", said)
+    assert left_behind(endless.temporary) == []
+    assert list((tmp_path / "out" / "Ball.radiance.radtex-unfinished").glob("*.piece"))
+
+
 @pytest.mark.skipif(bool(unavailable()), reason=unavailable())
 def test_a_full_disk_is_one_line_and_costs_nothing_that_is_done(tmp_path: Path) -> None:
     fill_room()
