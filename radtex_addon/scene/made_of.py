@@ -88,6 +88,9 @@ class _Reader:
         data = item.original.data
         if data is None:
             return
+        if isinstance(data, bpy.types.Volume):
+            yield _of_file(data.filepath, data)
+            return
         if not hasattr(data, "attributes"):
             yield from block_settings(data)
             if item.pose is not None:
@@ -129,8 +132,7 @@ class _Reader:
                 yield name
                 yield from self._struct(value, depth - 1)
         elif prop.subtype in {"DIR_PATH", "FILE_PATH"}:  # a copy of the scene has other paths
-            path = Path(bpy.path.abspath(value)) if value else None
-            yield file_digest(path) if path is not None and path.is_file() else ""
+            yield _of_file(value, None)
         elif not prop.is_readonly or name in _READ_ONLY:
             yield f"{name} {setting(value)!r}"
 
@@ -144,8 +146,14 @@ class _Reader:
         elif isinstance(block, bpy.types.NodeTree | bpy.types.Image | bpy.types.Texture):
             yield from block_settings(block)
         elif isinstance(block, bpy.types.CacheFile):
-            path = Path(bpy.path.abspath(block.filepath, library=block.library))
-            yield file_digest(path) if path.is_file() else ""
+            yield _of_file(block.filepath, block)
+
+
+def _of_file(path: str, block: Any) -> str:
+    """A digest of the file that a data-block, or a modifier, names; "" where there is none."""
+    library = None if block is None else block.library
+    found = Path(bpy.path.abspath(path, library=library)) if path else None
+    return file_digest(found) if found is not None and found.is_file() else ""
 
 
 def _of_shape_keys(keys: Any) -> Iterator[str]:

@@ -29,6 +29,7 @@ from radtex_addon.prepare.unwrapping import Unwraps
 from radtex_addon.scene.digests import mesh_digest, scene_digests
 from radtex_addon.scene.mesh.evaluated import evaluate
 from radtex_addon.scene.scratch import scratch_scene
+from radtex_addon.worker.handover import hand_over
 from tests.blender import stage
 from tests.blender.modifier_stacks import add_stack
 from tests.blender.test_job import pixels_of
@@ -230,13 +231,19 @@ def test_a_farm_finds_nothing_that_moves(out: Path) -> None:
 
 
 @pytest.mark.usefixtures("stacks")
-def test_what_a_modifier_is_called_and_how_it_is_shown_is_no_change() -> None:
-    before = {each.of: each.mesh.of for each in read_now(context.scene).objects if not each.is_instance}
+def test_names_how_modifiers_are_shown_and_a_workers_copy_are_no_change(tmp_path: Path) -> None:
+    before = made_of()
     bevel = item("bevel").modifiers[0]
     bevel.name, bevel.show_expanded, bevel.show_viewport = "other", False, False
     item("float boolean and bevel").modifiers[0].object.name = "renamed"
     tree = item("bevel and realized").modifiers[1].node_group
     tree.name, tree.nodes[0].location.x = "renamed", 500
-    after = {each.of: each.mesh.of for each in read_now(context.scene).objects if not each.is_instance}
-    assert after == before
+    assert made_of() == before
     assert all(before.values())
+    bpy.ops.wm.open_mainfile(filepath=str(hand_over(context.scene, tmp_path / "jobs").blend))
+    assert made_of() == before
+
+
+def made_of() -> dict[str, str]:
+    found = read_now(context.scene).objects
+    return {each.of: each.mesh.of for each in found if not each.is_instance}
