@@ -62,7 +62,7 @@ ARGUMENTS = {
     "layered": ("--layout", "layered", "--texels", "48", "--samples", "2", "--save-preview"),
 }
 _POLITE = (signal.SIGINT, signal.SIGTERM)
-_WORDS = "radtex: interrupted: "
+_WORDS = "radtex: interrupted"
 
 
 @dataclass
