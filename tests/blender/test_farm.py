@@ -22,6 +22,7 @@ from radtex_addon.bake.progress import finished
 from radtex_addon.bake.spec import BakeSpec, Layer
 from radtex_addon.core.errors import BakeError, FormatError, InputError
 from radtex_addon.core.sampler import Filter
+from radtex_addon.farm.assemble_farm import assemble_steps
 from radtex_addon.farm.frame_list import frame_list
 from radtex_addon.farm.prepare_farm import prepare_steps
 from radtex_addon.formats.containers.exr import read_stamps
@@ -210,6 +211,18 @@ def test_nothing_is_overwritten_unasked(rendered: Rendered, out: Path) -> None:
     assembled(rendered.farm, out)
     with pytest.raises(InputError, match="overwrite it"):
         assembled(rendered.farm, out)
+    sidecar = out / f"{BOX}.radiance.json"
+    facts = json.loads(sidecar.read_text())
+    for there, said in (
+        ({"object": "Other"}, f"is a bake of object 'Other', not of object '{BOX}'"),
+        ({"blend": "other.blend"}, "is a bake of other.blend, not of"),
+        ({"samples": 2}, "is a better bake"),
+    ):
+        sidecar.write_text(json.dumps(facts | there))
+        with pytest.raises(InputError, match=said):
+            finished(assemble_steps(rendered.farm, out, overwrite=True))
+        assert json.loads(sidecar.read_text()) == facts | there
+    finished(assemble_steps(rendered.farm, out, overwrite=True, overwrite_any=True))
 
 
 def test_an_assembly_that_was_killed_is_simply_run_again(

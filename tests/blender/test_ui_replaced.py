@@ -89,6 +89,21 @@ def test_the_button_asks_before_a_better_bake_is_replaced(out: Path) -> None:
     assert facts(out / "Card.radiance.json")["samples"] == 1
 
 
+def test_a_bake_of_another_object_is_refused_by_name(out: Path) -> None:
+    settings().directory = str(out)
+    context.object.name = "Card.Gold"
+    assert ops.radtex.bake() == {"FINISHED"}
+    context.object.name = "Card"
+    context.object.data.materials.append(stage.material("Gold", "ShaderNodeBsdfDiffuse"))
+    settings().split = "material"
+    found = panel_state.refresh(context.scene, context.view_layer)
+    assert found.next is Next.NOTHING
+    assert "is a bake of object 'Card.Gold', not of object 'Card', material Gold" in str(found.errors[0])
+    for arguments in ({}, {"overwrite_any": True}, {"resume": True}, {"only": "changed"}):
+        with pytest.raises(RuntimeError, match=r"is a bake of object 'Card\.Gold'"):
+            ops.radtex.bake(**arguments)
+
+
 def test_files_beside_each_other_have_folders_of_their_own(tmp_path: Path) -> None:
     for name in ("a", "b"):
         save(tmp_path / f"{name}.blend")
