@@ -178,8 +178,8 @@ def bake_steps(
     Yields progress; returns the result. The scene is unchanged afterwards, also after an error or when the
     generator is closed. Finished pieces are in `<name>.<kind>.radtex-unfinished` until all is done, exports
     included. With `resume` the bake continues from there; if it is finished, only a missing preview and
-    exports are made. Without `resume` an unfinished bake is replaced only with `overwrite`, which replaces no
-    better bake, none of another .blend unless `Overwrite.any` is set, and none of another object ever. The
+    exports are made. Without `resume` an unfinished bake is replaced only with `overwrite`. An `Overwrite` in
+    place of True keeps better bakes and those of other files; one of another object is never replaced. The
     `thumbnail` gets the captured light. `unwraps` are those of earlier bakes, such as other frames'; this
     bake's is added. Raises InputError for what cannot be baked or resumed, BakeError for what fails during
     the bake.

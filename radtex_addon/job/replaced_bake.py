@@ -47,8 +47,8 @@ class Overwrite:
 
     @classmethod
     def of(cls, overwrite: bool | Overwrite) -> Overwrite:
-        """The same, of the open file if it is only true or false."""
-        return overwrite if isinstance(overwrite, Overwrite) else cls(overwrite)
+        """The same; what is only true or false is of the open file, and true lets any bake be replaced."""
+        return overwrite if isinstance(overwrite, Overwrite) else cls(overwrite, any=overwrite)
 
 
 @dataclass(frozen=True)

@@ -67,6 +67,8 @@ _ORDERS: tuple[dict[str, Any], ...] = (
         "spec": facts_of(BakeSpec(lights=("Key",), frame=3)),
         "preview": "linear",
         "overwrite": False,
+        "overwrite_any": False,
+        "of_blend": "/a.blend",
         "resume": True,
         "exports": ["web"],
         "picture": "/a.png",
