@@ -8,6 +8,7 @@ Looked at are lamps, the world, and materials of what a view layer renders: each
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Iterator
 from typing import Any, cast
 
@@ -65,10 +66,17 @@ def _check_lamp(item: Any) -> None:
     _check(f"lamp '{item.name}'", lamp)
 
 
+def _uses_nodes(block: Any) -> bool:
+    """Whether nodes are switched on; of lamps Blender 5.2 warns that Blender 6 will not say it."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)
+        return bool(getattr(block, "use_nodes", True))
+
+
 def _check(whose: str, block: Any) -> None:
     """Check the nodes that feed the output of a material, a world or a lamp."""
     tree, always = block.node_tree, bpy.app.version >= (5, 0, 0) and not isinstance(block, bpy.types.Light)
-    if tree is None or not (always or block.use_nodes):
+    if tree is None or not (always or _uses_nodes(block)):
         return
     output = tree.get_output_node("CYCLES")
     if output is not None:
