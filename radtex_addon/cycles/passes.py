@@ -15,6 +15,7 @@ import numpy as np
 
 from ..core.arrays import Floats
 from ..core.colour_spaces import converted
+from ..core.errors import BakeError
 
 # Names in Blender 5, and in 4.5
 _LOBES = {
@@ -30,6 +31,8 @@ _SINGLE = {
     "normal": ("use_pass_normal", ("Normal",)),
 }
 _VECTORS = frozenset({"normal"})  # not colours: not converted
+_MOST = 1e30  # of light: what is more counts as infinite, as sums of it are
+_ASTRAY = 0.01  # share of a picture that may not be finite: faulty shaders make a few such pixels
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,6 +65,22 @@ class Passes:
     def mapped(self, change: Callable[[Floats], Floats]) -> Passes:
         """A copy with `change` applied to each pass."""
         return replace(self, raw={name: change(pixels) for name, pixels in self.raw.items()})
+
+
+def finite_light(light: Floats) -> Floats:
+    """The light (..., C) of a picture, with 0 where it is not finite, since Cycles drops that in paths.
+
+    Raises BakeError if that is more than a hundredth of the picture.
+    """
+    finite = (np.abs(light) < _MOST).all(axis=-1, keepdims=True)  # of NaN, not
+    if finite.all():
+        return light
+    if 1 - finite.mean() > _ASTRAY:
+        raise BakeError(
+            f"{1 - finite.mean():.0%} of the light that Cycles found is not a finite number: look for "
+            "infinite values and NaN in images of the world, of lamps and of materials, and in what nodes compute"
+        )
+    return np.where(finite, light, light.dtype.type(0))
 
 
 def attributes_of(name: str) -> tuple[str, ...]:

@@ -37,7 +37,7 @@ from .building_blocks import (
     render_layers,
 )
 from .capture_settings import allow_more_bounces, apply_capture_settings, keep_passes, look_at_centres
-from .passes import Passes
+from .passes import Passes, finite_light
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,7 +161,9 @@ class PortalCapture:
             cells = image.reshape(rows, n, plan.columns, n, -1).transpose(0, 2, 1, 3, 4)
             return cells[tile.first_row - first :].reshape(-1, n, n, image.shape[2])[: len(texels)]
 
-        return render_layers(self._scene, self._file).mapped(cells_of)
+        passes = render_layers(self._scene, self._file)
+        finite_light(passes.raw_whole)
+        return passes.mapped(cells_of)
 
     def reseed(self, seed: int) -> None:
         """Set the seed of the next renders, for different noise."""

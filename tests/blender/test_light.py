@@ -10,11 +10,13 @@ from pathlib import Path
 from typing import Any
 
 import bpy
+import numpy as np
 import pytest
 
-from radtex_addon.bake.spec import BakeSpec
-from radtex_addon.core.errors import InputError
-from radtex_addon.job import check_request
+from radtex_addon.bake.spec import BakeSpec, Layout
+from radtex_addon.core.errors import BakeError, InputError
+from radtex_addon.cycles.passes import finite_light
+from radtex_addon.job import bake_object, check_request
 from radtex_addon.scene.checks.finite_light import refuse_unfinite_light
 from radtex_addon.scene.lights.light import is_dark
 from tests.blender import stage
@@ -266,3 +268,29 @@ FINITE: dict[str, Callable[[], object]] = {
 def test_what_cycles_shows_all_the_same_is_not_refused(name: str) -> None:
     FINITE[name]()
     refuse_unfinite_light(context.scene, context.scene.view_layers[0])
+
+
+@pytest.mark.parametrize("layout", Layout)
+def test_a_bake_without_any_light_says_so(
+    layout: Layout, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    """Of a world whose nodes are not followed: Cycles drops the light of e to the power of a thousand."""
+    tree: Any = stage.world().node_tree
+    background = next(node for node in tree.nodes if node.type == "BACKGROUND")
+    tree.links.new(computed(tree, "EXPONENT", 1000), background.inputs["Strength"])
+    card(stage.material("White", "ShaderNodeBsdfDiffuse")).name = "Baked"
+    spec = BakeSpec(layout=layout, texels=8, samples=1, uv_layer="UVMap")
+    bake_object(context.scene, "Baked", spec, tmp_path / "out")
+    assert "no light at all comes from 'Baked': its bake is black. If lamps or the world" in caplog.text
+
+
+def test_light_of_which_much_is_infinite_fails() -> None:
+    """A few such pixels, which faulty shaders make, are black as in Cycles."""
+    light = np.ones((40, 10, 3), dtype=np.float32)
+    light[0, 0], light[1, 1, 2], light[2, 2] = inf, nan, 1e38
+    found = finite_light(light)
+    assert found[[0, 1, 2], [0, 1, 2]].max() == 0
+    assert found.sum() == 3 * 397
+    light[3] = inf
+    with pytest.raises(BakeError, match=r"^3% of the light that Cycles found is not a finite number"):
+        finite_light(light)

@@ -37,6 +37,7 @@ from ...formats.image_files import layer_path
 from ...formats.sidecar import Content, Sidecar, check_readable
 from ...prepare.prepared import Prepared
 from ...scene.checks.enclosing_volumes import has_volumes
+from ...scene.checks.finite_light import black_bake
 from ...scene.proxy_content import show_content_only
 from ..bake_job import BakeJob
 from ..outcome import Outcome
@@ -106,13 +107,19 @@ def join_buckets(
         )
     facts = replace(facts, denoised=denoiser is not None)
     paths = len(plan.texel) * spec.bucket**2 * spec.samples
+    lit = False
 
     def images() -> Iterator[dict[str, Floats]]:
+        nonlocal lit
         for band in bands.downwards():
+            lit = lit or bool((band.buckets[..., :3] > 0).any())
             layout = AtlasLayout(plan.layout.width, len(band.buckets), plan.layout.bucket)
             yield _images(layout.from_buckets(band.buckets), layout, spec)
 
-    return (yield from _write(plan, images, spec, sidecar, facts, paths, store))
+    outcome = yield from _write(plan, images, spec, sidecar, facts, paths, store)
+    if not lit and spec.kind.traits.needs_light:
+        log.warning(black_bake(sidecar.name.partition(".")[0]))
+    return outcome
 
 
 def _check_sheet(spec: BakeSpec) -> None:

@@ -41,6 +41,14 @@ def refuse_unfinite_light(scene: bpy.types.Scene, layer: bpy.types.ViewLayer) ->
         _check(f"world '{world.name}'", world)
 
 
+def black_bake(name: str) -> str:
+    """The warning about a bake in which no light was captured at all."""
+    return (
+        f"no light at all comes from '{name}': its bake is black. If lamps or the world should light it, "
+        "look for infinite values and NaN in what their nodes compute, and in their images"
+    )
+
+
 def _rendered(layer: bpy.types.ViewLayer) -> Iterator[Any]:
     """The objects that a view layer renders, and those of the collections that these instance."""
     layer.update()

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 from collections.abc import Generator, Mapping
 from dataclasses import dataclass, replace
@@ -13,7 +14,7 @@ from typing import Any, cast
 import bpy
 import numpy as np
 
-from ....bake.light_samples import EndSamples
+from ....bake.light_samples import EndSamples, LightSamples
 from ....bake.piece_store import NO_STORE, PieceStore
 from ....bake.pieces import Arrays
 from ....bake.plan import CapturePlan, plan_capture
@@ -26,6 +27,7 @@ from ....core.texel_map import TexelMap
 from ....cycles.path_ends import Body, path_ends
 from ....cycles.sampling import capture_ends, capture_samples
 from ....prepare.prepared import Piece, Prepared
+from ....scene.checks.finite_light import black_bake
 from ....scene.mesh.joined import values_in
 from ....scene.mesh.render_contents import matrices_in_renders, top_of_render
 from ....scene.scratch import scene_copied
@@ -43,6 +45,8 @@ from .panoramas import look_around
 from .source_rays import capture_source_rays
 from .stored_surroundings import around_of, arrays_of
 from .surface_alone import Clear, surface_alone
+
+log = logging.getLogger(__name__)
 
 _OUTSIDE = 1.05  # times the object's radius: a sphere around it
 _LEAST_OWN_SIDE = 6
@@ -143,7 +147,7 @@ class _Captures:
             unseen = hidden.of_texels(np.isin(probe.texel, lit.texel)).cells
             steps = capture_samples(copy, lit, unseen, spec.seed, folder, self.store, self.thumbnail)
             light = yield from relayed(steps, in_paths)
-        light = replace(light, through=without_zeros(light.through))
+        light = self._lit(replace(light, through=without_zeros(light.through)))
         material = texels.triangle.ravel()[lit.texel]
         if prepared.source is None:
             own = self._own_rays(plan(own_side(count)), texels.own_triangle.ravel()[lit.texel], opacity.fine)
@@ -164,6 +168,12 @@ class _Captures:
         paths = total + len(probe.texel) * PROBES * PROBE_CELLS**2 + looked + opacity.rays + own.traced
         paths += 0 if exits is None else 3 * exits.weight.size
         return Captured(capture, faces, paths, own.hit.size)
+
+    def _lit(self, light: LightSamples) -> LightSamples:
+        """The light itself; a warning says if there is none."""
+        if not (light.diffuse.any() or light.mirrored.any() or light.through.any()):
+            log.warning(black_bake(self.prepared.name))
+        return light
 
     def _ends(self, plan: CapturePlan, middle: Floats) -> EndSamples:
         with scene_copied(self.scratch) as copy, path_ends(copy, self.bodies, (), middle) as ends:

@@ -19,6 +19,7 @@ from ....bake.rays import NEAR_SAMPLES, NEAR_WIDTH, WORLD_WIDTH, panorama_paths
 from ....core.arrays import Floats
 from ....cycles.building_blocks import render_layers
 from ....cycles.denoiser import can_denoise
+from ....cycles.passes import finite_light
 from ....formats.disk.path_checks import render_path
 from ....scene.lights.casters import as_glossy_rays_see
 from ....scene.lights.light import dark_to_cameras, world_in_reflections
@@ -326,7 +327,7 @@ class _Camera:
         render.filepath = render_path(path)
         passes = render_layers(scene, path)
         path.unlink()
-        light = passes.whole
+        light = finite_light(passes.whole)
         if passes.to_rec709 is not None:  # colours beyond Rec.709 are below 0
             light = np.concatenate([np.maximum(light[..., :3], 0), light[..., 3:]], axis=-1)
         return passes.raw | {"Combined": light}
