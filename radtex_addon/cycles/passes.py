@@ -78,7 +78,7 @@ def finite_light(light: Floats) -> Floats:
     if 1 - finite.mean() > _ASTRAY:
         raise BakeError(
             f"{1 - finite.mean():.0%} of the light that Cycles found is not a finite number: look for "
-            "infinite values and NaN in images of the world, of lamps and of materials, and in what nodes compute"
+            "infinite values and NaN in images, and in what nodes of the world, lamps and materials compute"
         )
     return np.where(finite, light, light.dtype.type(0))
 

@@ -16,6 +16,7 @@ import pytest
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.errors import BakeError, InputError
 from radtex_addon.cycles.passes import finite_light
+from radtex_addon.forms.layered.files.layered_files import read_layered
 from radtex_addon.job import bake_object, check_request
 from radtex_addon.scene.checks.finite_light import refuse_unfinite_light
 from radtex_addon.scene.lights.light import is_dark
@@ -294,3 +295,25 @@ def test_light_of_which_much_is_infinite_fails() -> None:
     light[3] = inf
     with pytest.raises(BakeError, match=r"^3% of the light that Cycles found is not a finite number"):
         finite_light(light)
+
+
+@pytest.mark.parametrize("value", [inf, 1e38])
+def test_a_pixel_of_the_world_that_is_no_number_spoils_no_bake(value: float, tmp_path: Path) -> None:
+    """Cycles drops its light, and shows all else."""
+    image: Any = bpy.data.images.new("Sky", 64, 32, float_buffer=True)
+    pixels = np.full((32, 64, 4), 0.5, dtype=np.float32)
+    pixels[..., 3], pixels[24, 20, :3] = 1, value
+    image.pixels.foreach_set(pixels.ravel())
+    image.pack()
+    tree: Any = stage.world().node_tree
+    environment = tree.nodes.new("ShaderNodeTexEnvironment")
+    environment.image = image
+    background = next(node for node in tree.nodes if node.type == "BACKGROUND")
+    tree.links.new(environment.outputs["Color"], background.inputs["Color"])
+    card(stage.material("Mirror", "ShaderNodeBsdfGlossy", Roughness=0.3)).name = "Baked"
+    spec = BakeSpec(layout=Layout.LAYERED, texels=8, samples=1, uv_layer="UVMap")
+    sidecar = bake_object(context.scene, "Baked", spec, tmp_path / "out").files.sidecar
+    atlas, _ = read_layered(sidecar)
+    for values in (atlas.colour, atlas.irradiance, atlas.own, atlas.rest, *atlas.around.world.levels):
+        assert np.isfinite(values).all()
+    assert np.median(atlas.around.world.levels[0]) == pytest.approx(0.5, abs=0.01)
