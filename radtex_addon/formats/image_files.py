@@ -4,20 +4,29 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Collection, Mapping
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TypeAlias
 
 from ..core.arrays import Floats
+from ..core.errors import FormatError
 from .containers.exr import Compression, stored_rows, write_rows
 from .disk.atomic import replacing
+from .file_names import is_plain_stem
+from .json_reader import shown
 
 Shapes: TypeAlias = dict[str, tuple[int, int, int]]  # width, height and channels of images, by layer
 
 
 def layer_path(sidecar: Path, layer: str) -> Path:
-    """The EXR of `layer` beside a sidecar's file: Vase.radiance.json has Vase.radiance.colour.exr."""
+    """The EXR of `layer` beside a sidecar's file: Vase.radiance.json has Vase.radiance.colour.exr.
+
+    Raises FormatError for a layer of which no file can have the name, as a stranger's sidecar may have them.
+    """
+    if not is_plain_stem(layer):
+        raise FormatError(f"{sidecar} has a layer {shown(json.dumps(layer))}: no file can be called so")
     return sidecar.with_name(f"{sidecar.stem}.{layer}.exr")
 
 

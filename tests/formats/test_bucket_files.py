@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -77,6 +78,16 @@ def test_a_layer_that_is_not_there_is_named_with_those_that_are(path: Path) -> N
     write_buckets(path, np.ones((8, 12, 4)), layers(), FACTS)
     with pytest.raises(FormatError, match="has no layer glossy: its layers are rest, base"):
         read_layer(path, "glossy")
+
+
+@pytest.mark.parametrize("name", ["../rest", "sub/rest", "..\\rest", "C:rest", "rest\n", "rest\0", ".."])
+def test_a_layer_that_lies_elsewhere_is_refused(name: str, path: Path) -> None:
+    write_buckets(path, np.ones((8, 12, 4)), layers(), FACTS)
+    sidecar = json.loads(path.read_text(encoding="utf-8"))
+    path.write_text(json.dumps(sidecar | {"layers": [name]}), encoding="utf-8")
+    with pytest.raises(FormatError, match="no file can be called so") as caught:
+        read_layer(path, name)
+    assert str(caught.value).isprintable()
 
 
 def test_a_layer_of_another_bake_is_refused(path: Path) -> None:
