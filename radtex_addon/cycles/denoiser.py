@@ -22,6 +22,7 @@ from .capture_settings import apply_capture_settings
 log = logging.getLogger(__name__)
 
 _INPUTS = ("Image", "Albedo", "Normal")
+_LEAST = 4  # pixels along a side: Blender makes smaller renders that large
 
 
 class ImageDenoiser:
@@ -47,16 +48,19 @@ class ImageDenoiser:
         """Denoise: see `bake.denoising.Denoiser`. Raises BakeError where Blender fails."""
         render: Any = self._scene.render
         height, width = light.shape[:2]
-        render.resolution_x, render.resolution_y = width, height
+        render.resolution_x, render.resolution_y = max(width, _LEAST), max(height, _LEAST)
+        more = ((0, max(_LEAST - height, 0)), (0, max(_LEAST - width, 0)), (0, 0))
         images = [
-            float_image(f"RadTex {name}", field)
+            float_image(f"RadTex {name}", np.pad(field, more, mode="edge"))
             for name, field in zip(_INPUTS, (light, albedo, normal), strict=True)
         ]
         try:
             for node, image in zip(self._nodes, images, strict=True):
                 node.image = image
             picture = render_layers(self._scene, self._file).raw_whole
-            return np.ascontiguousarray(picture[..., :3])  # as it was given, whatever the working space is
+            return np.ascontiguousarray(
+                picture[:height, :width, :3]
+            )  # as it was given, whatever the working space is
         finally:
             for node in self._nodes:
                 node.image = None

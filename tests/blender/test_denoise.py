@@ -125,6 +125,19 @@ def test_what_is_added_to_a_denoised_bake_is_told(out: Path, caplog: pytest.LogC
     assert (facts.samples, facts.denoised) == (2 * SPEC.samples, True)
 
 
+@pytest.mark.parametrize(("texels", "bucket"), [(1, 2), (1, 3), (2, 2), (5, 2)])
+def test_the_smallest_pictures_are_denoised_too(out: Path, texels: int, bucket: int) -> None:
+    """Blender renders none below 4 pixels a side."""
+    stage.world()
+    bpy.ops.mesh.primitive_plane_add(size=2)
+    context.object.name = "Card"
+    white = stage.material("White", "ShaderNodeBsdfDiffuse", Color=(0.8, 0.8, 0.8, 1))
+    context.object.data.materials.append(white)
+    light = baked(BakeSpec(texels=texels, bucket=bucket, samples=16, uv_layer="UVMap"), out)
+    assert light.shape == (texels, texels, bucket, bucket, 3)
+    np.testing.assert_allclose(light, 0.8, rtol=0.02)
+
+
 def test_only_light_in_buckets_is_denoised() -> None:
     assert BakeSpec(kind=Kind.PROXY, denoise=True).denoise
     for other in ({"kind": Kind.SHADOW}, {"kind": Kind.AO}, {"layout": "layered"}, {"refresh": True}):
