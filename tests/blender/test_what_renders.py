@@ -273,6 +273,29 @@ def test_the_surroundings_are_as_a_mirror_sees_them(tmp_path: Path) -> None:
     np.testing.assert_allclose(thing, [0, 0, 1], atol=0.1)
 
 
+def test_a_card_that_hides_from_the_camera_by_its_material_is_mirrored(tmp_path: Path) -> None:
+    """It is transparent to cameras, red to them behind glass, and blue in mirrors."""
+    receiver = ball()
+    stage.world((0, 0, 0))
+    material = stage.material("Card", "ShaderNodeEmission", Color=(0, 0, 1, 1))
+    tree: Any = material.node_tree
+    glow = next(node for node in tree.nodes if node.type == "EMISSION")
+    output = next(node for node in tree.nodes if node.type == "OUTPUT_MATERIAL")
+    path, mix = tree.nodes.new("ShaderNodeLightPath"), tree.nodes.new("ShaderNodeMixRGB")
+    mix.inputs[1].default_value, mix.inputs[2].default_value = (1, 0, 0, 1), (0, 0, 1, 1)
+    tree.links.new(path.outputs["Is Glossy Ray"], mix.inputs["Fac"])
+    tree.links.new(mix.outputs[0], glow.inputs["Color"])
+    clear, either = tree.nodes.new("ShaderNodeBsdfTransparent"), tree.nodes.new("ShaderNodeMixShader")
+    tree.links.new(path.outputs["Is Camera Ray"], either.inputs[0])
+    tree.links.new(glow.outputs[0], either.inputs[1])
+    tree.links.new(clear.outputs[0], either.inputs[2])
+    tree.links.new(either.outputs[0], output.inputs["Surface"])
+    cube("Card", (3, 0, 4)).data.materials.append(material)
+    before = fingerprint()
+    np.testing.assert_allclose(seen_around(receiver, tmp_path)[1], [0, 0, 1], atol=0.1)
+    assert differences(before, fingerprint()) == {}
+
+
 def test_a_glowing_thing_that_does_not_light_the_object_is_dark_in_it(tmp_path: Path) -> None:
     """As Cycles shows it: a mirror that light linking leaves out mirrors the thing without its light."""
     receiver = ball()

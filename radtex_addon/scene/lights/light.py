@@ -4,7 +4,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from typing import Any, cast
 
 import bpy
@@ -20,15 +21,9 @@ _EMITTERS = {
     "PRINCIPLED_VOLUME": (("Emission Color", "Emission Strength"), ("Blackbody Tint", "Blackbody Intensity")),
 }
 
-# What the Light Path node tells of a camera ray that a mirror sent on.
-_MIRRORED = {
-    "Is Camera Ray": 0.0,
-    "Is Glossy Ray": 1.0,
-    "Is Singular Ray": 1.0,
-    "Is Reflection Ray": 1.0,
-    "Ray Depth": 1.0,
-    "Glossy Depth": 1.0,
-}
+_OF_CAMERA = "Is Camera Ray"  # an output of the Light Path node, 0 where a mirror sends the camera's rays on
+_MIRRORED = frozenset({"Is Glossy Ray", "Is Singular Ray", "Is Reflection Ray"})  # 1 for these then
+_DEEPER = frozenset({"Ray Depth", "Glossy Depth"})  # greater by 1 for all rays then
 
 
 def is_dark(scene: bpy.types.Scene, layer: bpy.types.ViewLayer) -> bool:
@@ -128,6 +123,25 @@ def world_in_reflections(world: bpy.types.World | None) -> bpy.types.World | Non
     return copy
 
 
+@contextmanager
+def materials_in_reflections() -> Iterator[None]:
+    """Within the context, camera rays see all materials as mirrored rays do.
+
+    Materials that read a Light Path node, such as that of a card which hides from the camera, are exchanged
+    for copies; at the end all users have their own again. What is linked from another file keeps its own.
+    """
+    changed = [material for material in _used_materials() if _reads_light_path(material.node_tree)]
+    copies = [cast(bpy.types.Material, material.copy()) for material in changed]
+    try:
+        for material, copy in zip(changed, copies, strict=True):
+            _reflect(copy.node_tree, {})
+            material.user_remap(copy)
+        yield
+    finally:
+        for material, copy in zip(changed, copies, strict=True):
+            copy.user_remap(material)
+
+
 def _reads_light_path(tree: Any) -> bool:
     return tree is not None and any(
         node.type == "LIGHT_PATH" or (node.type == "GROUP" and _reads_light_path(node.node_tree))
@@ -136,19 +150,28 @@ def _reads_light_path(tree: Any) -> bool:
 
 
 def _reflect(tree: Any, copied: dict[bpy.types.ID, bpy.types.ID]) -> None:
-    """Let a tree's Light Path nodes tell of a ray that a mirror sent; copy each node group once."""
+    """Let a tree's Light Path nodes tell of rays that a mirror sent on; copy each node group once."""
+    build = NodeBuilder(tree)
     for node in list(tree.nodes):
-        if node.type == "LIGHT_PATH":
-            for output in node.outputs:
-                for link in list(output.links) if output.name in _MIRRORED else ():
-                    value = tree.nodes.new("ShaderNodeValue").outputs[0]
-                    value.default_value = _MIRRORED[output.name]
-                    tree.links.new(value, link.to_socket)
+        for output in node.outputs if node.type == "LIGHT_PATH" else ():
+            links = list(output.links)
+            mirrored = _mirrored(build, output, node.outputs[_OF_CAMERA]) if links else output
+            for socket in [link.to_socket for link in links]:
+                build.feed(socket, mirrored)
         if node.type == "GROUP" and node.node_tree is not None:
             if node.node_tree not in copied:
                 copy = copied[node.node_tree] = node.node_tree.copy()
                 _reflect(copy, copied)
             node.node_tree = copied[node.node_tree]
+
+
+def _mirrored(build: NodeBuilder, output: Any, of_camera: Any) -> Any:
+    """What an output of a Light Path node tells of rays that a mirror sent on."""
+    if output.name == _OF_CAMERA:
+        return build.math("MULTIPLY", output, 0.0)
+    if output.name in _MIRRORED:
+        return build.math("MAXIMUM", output, of_camera)
+    return build.math("ADD", output, 1.0) if output.name in _DEEPER else output
 
 
 def _put_out(tree: Any, dark: dict[bpy.types.ID, bpy.types.ID]) -> None:

@@ -22,7 +22,7 @@ from ....cycles.denoiser import can_denoise
 from ....cycles.passes import finite_light
 from ....formats.disk.path_checks import render_path
 from ....scene.lights.casters import as_glossy_rays_see
-from ....scene.lights.light import dark_to_cameras, world_in_reflections
+from ....scene.lights.light import dark_to_cameras, materials_in_reflections, world_in_reflections
 from ....scene.lights.linking import lights
 from ....scene.mesh.mesh_checks import FARTHEST
 from ....scene.mesh.render_contents import Shape, Shown, read_render
@@ -187,7 +187,7 @@ def look_around(
     homes = _group(scene, near)
     camera = _Camera(scene, middle, radius, folder, seed)
     scene.render.film_transparent = True
-    with as_glossy_rays_see(scene), _unlinked_dark(scene, subjects):
+    with as_glossy_rays_see(scene), materials_in_reflections(), _unlinked_dark(scene, subjects):
         for things, home in zip(near, homes, strict=True):
             plane = None if things.plane is None else _seen_from_above(*things.plane, middle, radius)
             camera.move(middle if plane is None else middle + plane.eye)
