@@ -31,7 +31,8 @@ CHANGES_PATH = {
 }
 # What could reach other machines, and what it is for.
 ON_THE_NETWORK = {
-    "radtex_addon/export/page_server.py": {"http", "http.server", "socketserver"},  # listens on 127.0.0.1
+    # listens on 127.0.0.1, and closes connections there
+    "radtex_addon/export/page_server.py": {"http", "http.server", "socket", "socketserver"},
     "radtex_addon/formats/disk/lock.py": {"socket"},  # asks this machine's name
     "radtex_addon/ui/jobs/browser.py": {"webbrowser"},  # opens that server's page
 }
