@@ -216,7 +216,6 @@ READERS: dict[str, str] = {
     "forms/layered/capture/panoramas": "sorts all objects of a scratch scene by whether they render",
     "scene/checks/see_through": "asks of each whether it renders",
     "preview/swap": "finds previews, and tells whether an object moved in the viewport",
-    "preview/apply_copy": "a copy stands where the viewport shows the object",
     "farm/sheets": "reads a scene of ours",
     "scene/preview_file": "reads and places a copy of ours",
     "export/exporting": "reads a copy of ours",
