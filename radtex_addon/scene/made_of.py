@@ -116,7 +116,7 @@ class _Reader:
         if isinstance(struct, bpy.types.NodesModifier) and bpy.app.version < (5, 0, 0):
             for name in sorted(struct.keys()):  # the inputs, which have no properties there
                 yield name
-                value = struct[name]
+                value = int(struct[name]) if isinstance(struct[name], bool) else struct[name]  # as in files
                 yield from self._block(value) if isinstance(value, bpy.types.ID) else (repr(setting(value)),)
 
     def _property(self, name: str, prop: Any, value: Any, depth: int) -> Iterator[str]:
