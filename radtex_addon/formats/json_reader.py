@@ -77,7 +77,7 @@ class Facts:
         value = self._of(key)
         if not isinstance(value, dict):
             raise self._mistyped(key, "an object")
-        return Facts(value, f'{self.source}, in "{key}",', self.what)
+        return Facts(value, f'{self.source} in "{key}"', self.what)
 
     def whole_number(self, key: str, least: int, most: int = _MOST) -> int:
         value = self._of(key)

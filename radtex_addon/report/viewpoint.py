@@ -16,6 +16,7 @@ from ..core.messages import Remedy, do
 
 _SENSOR = 36.0  # millimetres
 _FLAT = 1e-12  # a view matrix with a smaller determinant is invalid
+_NUMBERS = 1e18  # of a view's matrices: the squares of larger ones are no numbers in float32
 _FARTHEST = 1e7  # the largest clip end, times the clip start: beyond it, float32 matrices are too coarse
 
 
@@ -30,8 +31,9 @@ class Eye:
     projection: npt.NDArray[np.float64]
 
     def __post_init__(self) -> None:
-        shapes = (self.matrix.shape, self.projection.shape)
-        if shapes != ((4, 4), (4, 4)) or not self.projection[0, 0] > 0 or not self.projection[1, 1] > 0:
+        matrices = (self.matrix, self.projection)
+        numbers = all(matrix.shape == (4, 4) and (np.abs(matrix) < _NUMBERS).all() for matrix in matrices)
+        if not numbers or not self.projection[0, 0] > 0 or not self.projection[1, 1] > 0:
             raise InputError("these matrices are no view: give a view's own, row by row")
 
     @classmethod

@@ -17,6 +17,7 @@ from ..core.errors import FormatError, InputError
 from ..core.frame import normalised
 from ..core.messages import Setting, do
 from ..core.surface import SurfaceMesh
+from ..formats.disk.path_checks import check_loadable
 from .mesh.copy import MATRIX, NORMAL, SIGN, TANGENT, material_numbers
 from .mesh.joined import joined_copy, values_in
 from .mesh.mesh_parts import PART
@@ -143,8 +144,9 @@ def appended(
     """Append the objects `names` of a .blend, to no scene, and remove them at exit; None for missing ones.
 
     Only data-blocks in `keep` (a list that may grow inside) stay, with those that they use. Raises
-    FormatError if Blender cannot read the file.
+    InputError for a name that Blender does not understand, FormatError if it cannot read the file.
     """
+    check_loadable(blend)
     libraries: Any = bpy.data.libraries
     before = set(libraries)
     with new_data_removed(keep):

@@ -8,6 +8,7 @@ import http.client
 import json
 import os
 import shutil
+import socket
 import subprocess
 import sys
 import time
@@ -153,6 +154,24 @@ def test_a_page_of_another_host_is_refused(folder: Path, process: PageProcess) -
     assert ask(address, Host=f"evil.example:{port}")[0] == 403
     assert ask(address, Host="")[0] == 403
     assert ask(address, Host=f"localhost:{port}")[0] == 200
+
+
+def test_connections_that_ask_for_nothing_keep_nobody_waiting(folder: Path, process: PageProcess) -> None:
+    """Nor do those that begin a request and leave it."""
+    address = process.address_of(folder)
+    begin, idle = time.monotonic(), []
+    try:
+        for number in range(300):
+            idle.append(socket.create_connection((HERE, urlsplit(address).port), timeout=10))
+            if number % 2:
+                idle[-1].sendall(b"GET / HTTP/1.1\r\n")
+        for _ in range(3):
+            assert ask(address)[0] == 200
+        assert process.address_of(folder) == address
+        assert time.monotonic() - begin < 10  # half a minute, where each second some were let in
+    finally:
+        for one in idle:
+            one.close()
 
 
 def test_folders_of_one_name_have_addresses_of_their_own(

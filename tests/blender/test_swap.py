@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -592,4 +593,16 @@ def test_a_rigid_bodys_copy_does_not_fall(sidecar: Path) -> None:
     assert list(bodies) == [original]
     assert list(copy.users_collection) == [context.scene.collection]
     switch_off(original)
+    assert differences(before, fingerprint()) == {}
+
+
+@pytest.mark.skipif(os.sep != "/", reason="no name there has a backslash")
+def test_a_bake_renamed_with_a_backslash_says_what_is_wrong(spoilt: Path) -> None:
+    for path in spoilt.parent.iterdir():
+        path.rename(path.with_name(path.name.replace(NAME, "A\\B")))
+    renamed = spoilt.with_name(spoilt.name.replace(NAME, "A\\B"))
+    original = ball()
+    before = fingerprint()
+    with pytest.raises(InputError, match=r"A\\B.preview.blend: Blender takes a backslash for a slash"):
+        switch_on(original, renamed)
     assert differences(before, fingerprint()) == {}

@@ -14,6 +14,7 @@ from radtex_addon.core.errors import InputError
 from radtex_addon.formats.disk.atomic import check_absent, check_writable
 from radtex_addon.formats.disk.path_checks import (
     check_for_blender,
+    check_loadable,
     check_saveable,
     check_unicode,
     nearest_folder,
@@ -79,3 +80,5 @@ def test_what_blender_can_name(tmp_path: Path) -> None:
         check_for_blender(tmp_path / "a\\b.blend")
         with pytest.raises(InputError, match="Blender takes a backslash for a slash"):
             check_saveable(tmp_path / "a\\b.blend")
+        with pytest.raises(InputError, match=r"a\\b\.blend: Blender takes a backslash .* rename it"):
+            check_loadable(tmp_path / "a\\b.blend")

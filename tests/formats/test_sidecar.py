@@ -227,8 +227,8 @@ def test_how_far_ambient_rays_looked_comes_back() -> None:
         ({"frame": -1}, '"frame" is -1'),
         ({"lights": "Key"}, '"lights" is "Key"'),
         ({"source": "High"}, '"source" is "High", expected an object'),
-        ({"source": {"extrusion": 0.1, "missed": 0}}, 'lacks "object"'),
-        ({"source": {"object": "High", "extrusion": 0, "missed": 0}}, '"extrusion" is 0'),
+        ({"source": {"extrusion": 0.1, "missed": 0}}, 'in "source" lacks "object"'),
+        ({"source": {"object": "High", "extrusion": 0, "missed": 0}}, 'in "source": "extrusion" is 0'),
         ({"source": {"object": "High", "extrusion": 0.1, "missed": -1}}, '"missed" is -1'),
     ],
 )

@@ -61,6 +61,13 @@ def check_for_blender(path: Path, room: int = 0) -> None:
         )
 
 
+def check_loadable(path: Path) -> None:
+    """Raise InputError for a file that Blender could not find by its name."""
+    check_for_blender(path)
+    if os.sep != "\\" and "\\" in str(path.absolute()):
+        raise InputError(f"{path}: Blender takes a backslash for a slash: rename it, or its folder")
+
+
 def check_saveable(path: Path) -> None:
     """Raise InputError for a .blend's path that Blender could not save to, or find images relative to."""
     check_for_blender(path, _ROOM)

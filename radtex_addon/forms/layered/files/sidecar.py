@@ -257,7 +257,7 @@ class LayeredSidecar:
         maps = [name for name in _MAPS if name in bake.layers]
         expected = sidecar.layers_with(maps)
         if WORLD not in found or not materials:
-            raise FormatError(f'{facts.source}, in "layered", lacks the world\'s picture, or materials')
+            raise FormatError(f'{facts.source} in "layered" lacks the world\'s picture, or materials')
         facts.constant("layers", list(expected))
         return sidecar
 
