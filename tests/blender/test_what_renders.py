@@ -18,7 +18,6 @@ from radtex_addon.core.errors import InputError
 from radtex_addon.forms.layered.capture.hidden_lamps import Target, hidden_lamps
 from radtex_addon.forms.layered.capture.lamps import lamps_shown
 from radtex_addon.forms.layered.capture.panoramas import Near, _seen_from_above, look_around, near_things
-from radtex_addon.forms.layered.capture.viewpoint import viewpoint
 from radtex_addon.forms.layered.files.layered_files import read_layered
 from radtex_addon.forms.layered.lookup.environment import Plane
 from radtex_addon.job import bake_object
@@ -444,29 +443,3 @@ def test_an_object_that_stands_in_a_plane_looks_at_it_from_above() -> None:
     assert plane.eye[2] == pytest.approx(0.5)
     plane = _seen_from_above(np.array([0, 0, 1.0]), 2.0, MIDDLE, 1.0)
     assert (plane.height, plane.eye[2]) == (-2, 2)
-
-
-def table_plan() -> Any:
-    """One cell at each of 400 points of a table top at height 4."""
-    place = np.stack(np.meshgrid(*[np.linspace(-3, 3, 20)] * 2), axis=-1).reshape(-1, 2)
-    up = np.broadcast_to([0, 0, 1.0], (400, 3))
-    return stage.plan_of(np.concatenate([place, np.full((400, 1), 4.0)], axis=1), up, 1)
-
-
-def seen_from(receiver: Any) -> Floats:
-    with scratch_scene(context.scene) as scratch:
-        return viewpoint(scratch, [receiver], table_plan(), MIDDLE, 4.0)
-
-
-def test_a_table_is_seen_from_beside_what_stands_in_its_middle() -> None:
-    receiver = floor("Table", 4, size=6)
-    assert (seen_from(receiver) == MIDDLE).all()
-    room = cube("Room", (0, 0, 4))
-    room.scale = (8, 8, 8)
-    assert (seen_from(receiver) == MIDDLE).all(), "a room is around all of the table"
-    vase = cube("Vase", (0, 0, 4.4))
-    place = seen_from(receiver)
-    assert place[2] == pytest.approx(4.4, abs=1e-3)
-    assert 0.9 - 1e-3 < np.abs(place[:2]).max() < 1.5
-    vase.visible_glossy = False
-    assert (seen_from(receiver) == MIDDLE).all()

@@ -35,7 +35,7 @@ from ..cells import EXIT_CELLS, OWN_RAYS, OWN_SIDE
 from ..fit.through import lets_through
 from ..lookup.environment import Around
 from ..samples import Capture, ExitSamples, OwnRays
-from .enclosed import enclosed, is_clear
+from .enclosed import enclosed
 from .exits import capture_exits
 from .lamps import find_lamps, refuse_negative_lamps
 from .material_maps import capture_maps, depends_on_angle
@@ -45,7 +45,6 @@ from .panoramas import look_around
 from .source_rays import capture_source_rays
 from .stored_surroundings import around_of, arrays_of
 from .surface_alone import Clear, surface_alone
-from .viewpoint import viewpoint
 
 log = logging.getLogger(__name__)
 
@@ -127,7 +126,9 @@ class _Captures:
 
         lit = plan(rays.light)
         count = len(lit.texel)
-        middle, radius = self._reach(lit)
+        middle, radius = reach_of(lit)
+        if prepared.part is not None or prepared.source is not None:
+            radius = max(radius, *(_radius_around(body.places, middle) for body in bodies))
         of_ends = 0 if self.known is not None else rays.ends
         total = count * (rays.light**2 + 2 * of_ends**2 + 1) + len(fine.texel)
         yield Progress(Stage.CAPTURE, 0, total)
@@ -173,17 +174,6 @@ class _Captures:
         if not (light.diffuse.any() or light.mirrored.any() or light.through.any()):
             log.warning(black_bake(self.prepared.name))
         return light
-
-    def _reach(self, plan: CapturePlan) -> tuple[Floats, float]:
-        """Whence the surroundings are seen, (3,), and the radius of a sphere around that with all objects."""
-        middle, radius = reach_of(plan)
-        if self.known is None and not any(is_clear(body.original) for body in self.bodies):
-            baked = [body.original for body in self.bodies]
-            middle = viewpoint(self.scratch, baked, plan, middle, radius)
-            radius = max(radius, _radius_around(plan.points, middle))
-        if self.prepared.part is not None or self.prepared.source is not None:
-            radius = max(radius, *(_radius_around(body.places, middle) for body in self.bodies))
-        return middle, radius
 
     def _ends(self, plan: CapturePlan, middle: Floats) -> EndSamples:
         with scene_copied(self.scratch) as copy, path_ends(copy, self.bodies, (), middle) as ends:

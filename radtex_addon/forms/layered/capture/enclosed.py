@@ -93,11 +93,11 @@ class _Hull:
         if np.prod(np.maximum(inside, _LEAST) / size) < _HALF:
             return False
         middle = Vector(((low + high) / 2).tolist())
-        met = [self.triangles.ray_cast(middle, Vector(ray.tolist()))[0] for ray in even_directions(_RAYS)]
+        met = [self.triangles.ray_cast(middle, Vector(ray.tolist()))[0] for ray in _directions(_RAYS)]
         return sum(place is not None for place in met) >= _ENCLOSED * _RAYS
 
 
-def even_directions(count: int) -> Floats:
+def _directions(count: int) -> Floats:
     """Unit vectors (count, 3), evenly over the sphere: a spiral by the golden angle."""
     height = 1 - (2 * np.arange(count) + 1) / count
     turn = np.arange(count) * np.pi * (3 - 5**0.5)
