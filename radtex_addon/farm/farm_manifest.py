@@ -190,31 +190,38 @@ def check_files(files: FarmFiles, manifest: Manifest) -> None:
 
 
 def write_plan(path: Path, plan: CapturePlan, hidden: HiddenCells | None) -> None:
-    """Write what assembling needs of a plan, and its `hidden` cells."""
+    """Write what assembling needs of a plan, normals for the denoiser included, and its `hidden` cells."""
     bits = np.zeros((0, 0), dtype=np.uint8) if hidden is None else hidden.bits
-    np.savez_compressed(path, texel=plan.texel, hidden=bits)
+    normal = plan.normals.astype(np.float32)
+    np.savez_compressed(path, texel=plan.texel, normal=normal, hidden=bits)
 
 
 def read_plan(files: FarmFiles, manifest: Manifest) -> tuple[CapturePlan, HiddenCells | None]:
-    """The plan of a farm and its hidden cells; its rays are zeros, for they were traced already.
+    """The plan of a farm and its hidden cells; of its rays, which were traced already, it has normals alone.
 
     Raises FormatError for a file that is damaged or of another farm.
     """
     n, count = manifest.bucket, manifest.facts.width * manifest.facts.height
     row = -(-n * n // 8)  # bytes of a texel's hidden cells
-    check_memory(str(files.plan), count * (row + 8))
-    found = read_npz(files.plan, {"texel": "iu", "hidden": "u"}, count * max(row, 8))
-    texel, bits = found["texel"], found["hidden"]
+    check_memory(str(files.plan), count * (row + 8 + 12))
+    wanted = {"texel": "iu", "normal": "f", "hidden": "u"}
+    found = read_npz(files.plan, wanted, count * max(row, 12))
+    texel, normal, bits = found["texel"], found["normal"], found["hidden"]
     least, most = (manifest.rows - 1) * manifest.columns, manifest.rows * manifest.columns
     ascends = texel.ndim == 1 and least < len(texel) <= most and bool((texel[1:] > texel[:-1]).all())
     if not ascends or texel[0] < 0 or texel[-1] >= count or texel.dtype.itemsize > 8:
         raise FormatError(f"{files.plan} tells of texels that the atlas has not: prepare the farm anew")
     if bits.dtype != np.uint8 or bits.shape not in ((0, 0), (len(texel), row)):
         raise FormatError(f"{files.plan} tells of hidden cells that the atlas has not: prepare the farm anew")
+    if normal.dtype != np.float32 or normal.shape != (len(texel), 3) or not np.isfinite(normal).all():
+        raise FormatError(f"{files.plan} tells of normals that no surface has: prepare the farm anew")
     texel = texel.astype(np.int64)
+    filled = np.minimum(np.arange(manifest.rows * manifest.columns), len(texel) - 1)
+    normal = normal[filled].reshape(manifest.rows, manifest.columns, 3)
     nowhere = np.broadcast_to(np.float32(0), (manifest.rows, manifest.columns, 3))
     layout = AtlasLayout(manifest.facts.width, manifest.facts.height, n)
-    plan = CapturePlan(layout, texel, *(nowhere,) * 5, sheet=manifest.sheet_side)
+    fields = (nowhere, nowhere, nowhere, normal, nowhere)
+    plan = CapturePlan(layout, texel, *fields, sheet=manifest.sheet_side)
     if (plan.sheets, plan.sheet_rows) != (manifest.sheets, manifest.sheet_rows):
         raise FormatError(f"{files.manifest} tells of other sheets than this RadTex makes: prepare it anew")
     return plan, HiddenCells(bits, n) if len(bits) else None

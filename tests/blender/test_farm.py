@@ -31,7 +31,7 @@ from tests.blender.batch_process import process, refusal
 from tests.blender.farming import BOX, assembled, build_moving_scene, prepared, render
 from tests.blender.killed import digests
 
-SPEC = BakeSpec(texels=16, bucket=4, samples=1, seed=3, sheet=16, layers=(Layer.DIFFUSE,))
+SPEC = BakeSpec(texels=16, bucket=4, samples=1, seed=3, sheet=16, layers=(Layer.DIFFUSE,), denoise=True)
 FRAMES = 4
 
 

@@ -146,6 +146,8 @@ def _bomb(path: Path) -> None:
         _plan(texel=np.arange(10**6)),
         _plan(texel=np.arange(64)[::-1]),
         _plan(texel=np.arange(-3, 40)),
+        _plan(normal=np.zeros((1, 3), dtype=np.float32)),
+        _plan(normal=np.full((64, 3), np.nan, dtype=np.float32)),
         _plan(hidden=np.zeros((1, 1), dtype=np.uint8)),
         _plan(hidden=np.zeros((0, 3), dtype=np.int64)),
         _bomb,

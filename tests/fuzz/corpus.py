@@ -190,7 +190,8 @@ def _write_farm(folder: Path) -> None:
     copies = Copies(("Vase",), ("Mesh",), "Scene", None, (), Filter.QUADRILINEAR)
     folder.mkdir(exist_ok=True)
     plan, hidden = np.array([0, 1, 2, 4, 5]), np.full((5, 2), 3, dtype=np.uint8)
-    np.savez_compressed(files.plan, texel=plan, hidden=hidden)
+    normal = np.zeros((len(plan), 3), dtype=np.float32)
+    np.savez_compressed(files.plan, texel=plan, normal=normal, hidden=hidden)
     farm = FarmManifest(
         job="a job",
         name="Vase",
