@@ -22,6 +22,7 @@ from ..core.errors import Cancelled, InputError, RadTexError
 from ..core.messages import Message, Setting, do
 from ..core.uv_map import UvMap
 from ..formats.disk.atomic import check_writable
+from ..formats.disk.lock import release_all
 from ..formats.disk.memory import readable_size
 from ..formats.disk.path_checks import check_unicode
 from ..formats.disk.temporary import remove_open
@@ -144,6 +145,7 @@ def _leave(name: str, spec: BakeSpec, request: Request, report: Report) -> None:
     failure = _with_the_way_on(Cancelled(INTERRUPTED), name, spec, request)
     try:
         remove_open()
+        release_all()
         shutil.rmtree(bpy.app.tempdir, ignore_errors=True)
         report.event("error", **told(failure.message), exit_code=failure.exit_code)
         report.close()

@@ -44,10 +44,20 @@ class Lock:
     def __init__(self, path: Path, descriptor: int, is_sure: bool) -> None:
         self.is_sure = is_sure
         self._end = weakref.finalize(self, _give_back, path, descriptor)
+        _held.add(self)
 
     def release(self) -> None:
         """Release the lock and remove its file."""
         self._end()
+
+
+_held = weakref.WeakSet[Lock]()  # by this process
+
+
+def release_all() -> None:
+    """Release this process's locks, as before an end in whose course their files would stay."""
+    for lock in list(_held):
+        lock.release()
 
 
 def take_lock(path: Path) -> Lock:

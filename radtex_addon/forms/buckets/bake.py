@@ -38,7 +38,9 @@ from ...formats.sidecar import Content, Sidecar, check_readable
 from ...prepare.prepared import Prepared
 from ...scene.checks.enclosing_volumes import has_volumes
 from ...scene.checks.finite_light import black_bake
+from ...scene.lights.light import is_dark
 from ...scene.proxy_content import show_content_only
+from ...scene.scratch import find_view_layer
 from ..bake_job import BakeJob
 from ..outcome import Outcome
 from .accumulate import accumulated
@@ -68,8 +70,9 @@ def bake_buckets(job: BakeJob) -> Generator[Progress, None, Outcome]:
         if uncut:
             _check_sheet(spec)
         steps = join_buckets(
-            plan, capture, hidden, spec, job.sidecar, facts, folder, store, job.thumbnail, uncut
-        )
+            plan, capture, hidden, spec, job.sidecar, facts, folder, store, job.thumbnail, uncut,
+            not is_dark(scratch, find_view_layer(scratch, None)),
+        )  # fmt: skip
         return (yield from steps)
     chosen = chosen_texels(plan, texels, prepared.chosen, spec.where)
     again = Recapture(scratch, spec, spec.kind, texels, plan, hidden, earlier, chosen, folder)
@@ -94,6 +97,7 @@ def join_buckets(
     store: PieceStore = NO_STORE,
     thumbnail: Thumbnail | None = None,
     uncut: bool = True,
+    expects_light: bool = True,
 ) -> Generator[Progress, None, Outcome]:
     """Capture all tiles of the plan, and write the atlas with its layers, band by band.
 
@@ -117,7 +121,7 @@ def join_buckets(
             yield _images(layout.from_buckets(band.buckets), layout, spec)
 
     outcome = yield from _write(plan, images, spec, sidecar, facts, paths, store)
-    if not lit and spec.kind.traits.needs_light:
+    if expects_light and not lit and spec.kind.traits.needs_light:
         log.warning(black_bake(sidecar.name.partition(".")[0]))
     return outcome
 

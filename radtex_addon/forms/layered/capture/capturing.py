@@ -28,9 +28,10 @@ from ....cycles.path_ends import Body, path_ends
 from ....cycles.sampling import capture_ends, capture_samples
 from ....prepare.prepared import Piece, Prepared
 from ....scene.checks.finite_light import black_bake
+from ....scene.lights.light import is_dark
 from ....scene.mesh.joined import values_in
 from ....scene.mesh.render_contents import matrices_in_renders, top_of_render
-from ....scene.scratch import scene_copied
+from ....scene.scratch import find_view_layer, scene_copied
 from ..cells import EXIT_CELLS, OWN_RAYS, OWN_SIDE
 from ..fit.through import lets_through
 from ..lookup.environment import Around
@@ -170,8 +171,9 @@ class _Captures:
         return Captured(capture, faces, paths, own.hit.size)
 
     def _lit(self, light: LightSamples) -> LightSamples:
-        """The light itself; a warning says if there is none."""
-        if not (light.diffuse.any() or light.mirrored.any() or light.through.any()):
+        """The light itself; a warning says if there is none in a scene that should have some."""
+        lit = light.diffuse.any() or light.mirrored.any() or light.through.any()
+        if not lit and not is_dark(self.scratch, find_view_layer(self.scratch, None)):
             log.warning(black_bake(self.prepared.name))
         return light
 
