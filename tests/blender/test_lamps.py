@@ -152,7 +152,7 @@ def test_more_samples_are_of_the_same_lamps(out: Path) -> None:
     sidecar = out / "Floor-Noon+Panel.radiance.json"
     sidecar.rename(out / "Floor-Noon.radiance.json")
     sidecar.with_suffix(".exr").rename(out / "Floor-Noon.radiance.exr")
-    with pytest.raises(InputError, match="is of other lamps"):
+    with pytest.raises(InputError, match="light of Noon, Panel, not of object 'Floor', light of Noon:"):
         bake(out, replace(spec, lights=("Noon",), accumulate=True))
 
 

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any, cast
 
@@ -66,7 +66,7 @@ def without_emission(material: bpy.types.Material) -> bpy.types.Material:
     if not (_has_nodes(material) and _shines(material.node_tree)):
         return material
     dark = cast(bpy.types.Material, material.copy())
-    _put_out(dark.node_tree, {})
+    _change(dark.node_tree, _put_out, {})
     return dark
 
 
@@ -75,12 +75,12 @@ def dark_to_cameras(material: bpy.types.Material) -> bpy.types.Material:
     if not (_has_nodes(material) and _shines(material.node_tree)):
         return material
     copy = cast(bpy.types.Material, material.copy())
-    _hide_emission(copy.node_tree, {})
+    _change(copy.node_tree, _hide_emission, {})
     return copy
 
 
-def _hide_emission(tree: Any, copied: dict[bpy.types.ID, bpy.types.ID]) -> None:
-    """Multiply every emitter's strength by 0 for camera rays; copy each node group once."""
+def _hide_emission(tree: Any) -> None:
+    """Multiply every emitter's strength by 0 for camera rays."""
     build = NodeBuilder(tree)
     others = build.math("SUBTRACT", 1.0, build.node("ShaderNodeLightPath").outputs["Is Camera Ray"])
     for node in list(tree.nodes):
@@ -88,11 +88,6 @@ def _hide_emission(tree: Any, copied: dict[bpy.types.ID, bpy.types.ID]) -> None:
             strength = node.inputs[name]
             before = strength.links[0].from_socket if strength.is_linked else strength.default_value
             build.feed(strength, build.math("MULTIPLY", before, others))
-        if node.type == "GROUP" and node.node_tree is not None:
-            if node.node_tree not in copied:
-                copy = copied[node.node_tree] = node.node_tree.copy()
-                _hide_emission(copy, copied)
-            node.node_tree = copied[node.node_tree]
 
 
 def dark_world(world: bpy.types.World | None) -> bpy.types.World | None:
@@ -102,7 +97,7 @@ def dark_world(world: bpy.types.World | None) -> bpy.types.World | None:
     dark = cast(bpy.types.World, world.copy())
     dark.color = 0, 0, 0
     if _has_nodes(dark):
-        _put_out(dark.node_tree, {})
+        _change(dark.node_tree, _put_out, {})
     return dark
 
 
@@ -119,7 +114,7 @@ def world_in_reflections(world: bpy.types.World | None) -> bpy.types.World | Non
     copy = cast(bpy.types.World, world.copy())
     cast(Any, copy).cycles_visibility.camera = seen.glossy
     if _has_nodes(copy):
-        _reflect(copy.node_tree, {})
+        _change(copy.node_tree, _reflect, {})
     return copy
 
 
@@ -134,7 +129,7 @@ def materials_in_reflections() -> Iterator[None]:
     copies = [cast(bpy.types.Material, material.copy()) for material in changed]
     try:
         for material, copy in zip(changed, copies, strict=True):
-            _reflect(copy.node_tree, {})
+            _change(copy.node_tree, _reflect, {})
             material.user_remap(copy)
         yield
     finally:
@@ -149,8 +144,8 @@ def _reads_light_path(tree: Any) -> bool:
     )
 
 
-def _reflect(tree: Any, copied: dict[bpy.types.ID, bpy.types.ID]) -> None:
-    """Let a tree's Light Path nodes tell of rays that a mirror sent on; copy each node group once."""
+def _reflect(tree: Any) -> None:
+    """Let a tree's Light Path nodes tell of rays that a mirror sent on."""
     build = NodeBuilder(tree)
     for node in list(tree.nodes):
         for output in node.outputs if node.type == "LIGHT_PATH" else ():
@@ -158,11 +153,6 @@ def _reflect(tree: Any, copied: dict[bpy.types.ID, bpy.types.ID]) -> None:
             mirrored = _mirrored(build, output, node.outputs[_OF_CAMERA]) if links else output
             for socket in [link.to_socket for link in links]:
                 build.feed(socket, mirrored)
-        if node.type == "GROUP" and node.node_tree is not None:
-            if node.node_tree not in copied:
-                copy = copied[node.node_tree] = node.node_tree.copy()
-                _reflect(copy, copied)
-            node.node_tree = copied[node.node_tree]
 
 
 def _mirrored(build: NodeBuilder, output: Any, of_camera: Any) -> Any:
@@ -174,18 +164,24 @@ def _mirrored(build: NodeBuilder, output: Any, of_camera: Any) -> Any:
     return build.math("ADD", output, 1.0) if output.name in _DEEPER else output
 
 
-def _put_out(tree: Any, dark: dict[bpy.types.ID, bpy.types.ID]) -> None:
-    """Link every emitter's strength to 0, which overrides drivers too; copy each node group once."""
+def _put_out(tree: Any) -> None:
+    """Link every emitter's strength to 0, which overrides drivers too."""
     nothing = tree.nodes.new("ShaderNodeValue").outputs[0]
     nothing.default_value = 0.0
     for node in list(tree.nodes):
         for _, strength in _EMITTERS.get(node.type, ()):
             tree.links.new(nothing, node.inputs[strength])
+
+
+def _change(tree: Any, change: Callable[[Any], None], copied: dict[bpy.types.ID, bpy.types.ID]) -> None:
+    """Change a node tree, and the groups in it, which are copied, each once."""
+    change(tree)
+    for node in list(tree.nodes):
         if node.type == "GROUP" and node.node_tree is not None:
-            if node.node_tree not in dark:
-                copy = dark[node.node_tree] = node.node_tree.copy()
-                _put_out(copy, dark)
-            node.node_tree = dark[node.node_tree]
+            if node.node_tree not in copied:
+                copy = copied[node.node_tree] = node.node_tree.copy()
+                _change(copy, change, copied)
+            node.node_tree = copied[node.node_tree]
 
 
 def _world_shines(world: bpy.types.World) -> bool:
