@@ -125,7 +125,7 @@ def test_large_atlases_have_no_more_buckets_and_no_finer_maps_than_the_limits(
 def test_a_bake_in_another_layout_leaves_none_of_the_earlier_images(
     tmp_path: Path, out: Path, batch: Batch
 ) -> None:
-    line = (saved(tmp_path), "--object", "Card", *QUICK, "--out", out, "--overwrite")
+    line = (saved(tmp_path), "--object", "Card", *QUICK, "--out", out, "--overwrite-any")
 
     def baked(*more: str) -> set[str]:
         assert batch(*line, *more).code == 0
@@ -232,12 +232,12 @@ def test_what_is_there_is_accumulated_in_its_layout(tmp_path: Path, out: Path, b
         assert (ended.code, ended.err) == (0, "")
     facts = read_buckets(out / "Card.radiance.json")[1]
     assert (facts.bucket, facts.samples) == (4, 2)
-    assert batch(blend, "--object", "Card", *QUICK, "--overwrite", "--out", out).code == 0
+    assert batch(blend, "--object", "Card", *QUICK, "--overwrite-any", "--out", out).code == 0
     assert batch(blend, "--object", "Card", *QUICK, "--accumulate", "--out", out).code == 0
     assert read_layered(out / "Card.radiance.json")[1].bake.samples == 2
     line = refusal(batch(blend, "--object", "Card", *QUICK, "--refresh", "--out", out))
     assert "is in the layered layout, which cannot be refreshed: bake it anew in layout buckets" in line
-    anew = (*QUICK, "--layout", "buckets", "--overwrite")
+    anew = (*QUICK, "--layout", "buckets", "--overwrite-any")
     assert batch(blend, "--object", "Card", *anew, "--out", out).code == 0, "the advice works"
 
 
