@@ -51,6 +51,7 @@ def command(tmp_path: Path, spec: BakeSpec) -> Command:
 def test_a_killed_bake_is_gone_on_with_and_one_that_lives_is_not(spec: BakeSpec, tmp_path: Path) -> None:
     killed = command(tmp_path, spec)
     whole, out = tmp_path / "whole", tmp_path / "out"
+    bpy.ops.wm.open_mainfile(filepath=str(killed.blend))  # a sidecar names the .blend
     bake_object(context.scene, "Ball", spec, whole)
     running = killed.start(out)
     while len(list(out.glob("*/*.piece"))) < 2:
