@@ -8,9 +8,11 @@ object's visibility before, so that it can be restored even if the other was del
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, cast
 
 import bpy
@@ -31,6 +33,7 @@ from .hidden_objects import (
 from .light_linking import link_alike
 from .load import load_baked_meshes, remove_unused
 from .moved_preview import follow_preview, following, transform_record
+from .save import images_of
 from .show_layer import check_layer, show_layer
 from .sun import follow_sun
 from .variant import keep_variant
@@ -53,6 +56,15 @@ class Preview:
 def is_on(item: bpy.types.Object) -> bool:
     """Whether the object's preview is on; also True if the object is a preview."""
     return _pair(item) is not None
+
+
+def shows_any_of(item: bpy.types.Object, files: Iterable[Path]) -> bool:
+    """Whether the object's preview is on, and shows one of these image files."""
+    copy = copy_of(item)
+    materials = [] if copy is None else [slot.material for slot in copy.material_slots]
+    trees = [material.node_tree for material in materials if material is not None]
+    shown = {_plain(bpy.path.abspath(image.filepath)) for tree in trees for image in images_of(tree)}
+    return not shown.isdisjoint(map(_plain, files))
 
 
 def original_of(item: bpy.types.Object) -> bpy.types.Object | None:
@@ -218,6 +230,11 @@ def _flags_without_previews(pairs: Iterable[_Pair]) -> dict[bpy.types.Object, Fl
         if copy is not None:
             shown[copy] = dict.fromkeys(_FLAGS, True)
     return shown
+
+
+def _plain(path: Path | str) -> str:
+    """A path as others spell it, too; the file system is not asked."""
+    return os.path.normcase(os.path.normpath(Path(path).absolute()))
 
 
 def _set_flags(wanted: Mapping[bpy.types.Object, Flags]) -> None:

@@ -315,6 +315,20 @@ def test_what_has_no_mesh_is_named_with_what_to_do() -> None:
     bpy.ops.object.light_add()
     (told,) = seen().not_baked
     assert "is a light, and has no surface to bake" in told.text
+    context.object.name = "Key"
+    bpy.ops.object.camera_add()
+    context.object.name = "Shot"
+    bpy.ops.object.camera_add()
+    for name in ("Key", "Shot"):
+        context.scene.objects[name].select_set(True)
+    (told,) = seen().not_baked
+    named = told.text.removesuffix(": they have no surface to bake. Select meshes").split(", ")
+    assert "'Key' is a light" in named
+    assert len(named) == 2  # the cameras are of one sort
+    assert "is a camera (and 1 more such)" in told.text
+    context.scene.objects["Card"].select_set(True)
+    (told,) = seen().not_baked
+    assert told.text == f"Left out: {', '.join(named)}"
     bpy.ops.object.collection_instance_add(collection=bpy.data.collections.new("Parts").name)
     (told,) = seen().not_baked
     assert told.operator == "object.duplicates_make_real"

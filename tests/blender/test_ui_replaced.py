@@ -9,6 +9,7 @@ import shutil
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import bpy
@@ -104,6 +105,16 @@ def test_a_bake_of_another_object_is_refused_by_name(out: Path) -> None:
             ops.radtex.bake(**arguments)
 
 
+@pytest.mark.parametrize(("count", "more"), [(1, ()), (8, ()), (10, ("and 2 more",))])
+def test_the_dialog_counts_those_questions_alone_that_it_does_not_show(
+    count: int, more: tuple[str, ...]
+) -> None:
+    layout, asked = RecordedLayout(), tuple(f"{number}?" for number in range(count))
+    draw: Any = RADTEX_OT_bake.draw
+    draw(SimpleNamespace(layout=layout, _asked=asked), context)
+    assert layout.texts == [*asked[:8], *more]
+
+
 def test_files_beside_each_other_have_folders_of_their_own(tmp_path: Path) -> None:
     for name in ("a", "b"):
         save(tmp_path / f"{name}.blend")
@@ -156,11 +167,17 @@ def test_an_unfinished_bake_in_the_common_folder_is_gone_on_with(tmp_path: Path)
         time.sleep(0.02)
     jobs.cancel()
     finish_jobs()
+    assert "radtex.bake" in dict(drawn(0).buttons)  # Resume
+    save(tmp_path / "b.blend")  # whose object the button would bake
+    assert "radtex.bake" not in dict(drawn(0).buttons)
+    save(tmp_path / "a.blend")
     settings().property_unset("directory")
     found = panel_state.refresh(context.scene, context.view_layer)
     assert (found.next, found.unfinished) == (Next.RESUME, 1)
     submit(resume=True)
+    assert "radtex.bake" not in dict(drawn(0).buttons)  # that one goes on with it
     finish_jobs()
+    assert "radtex.bake" not in dict(drawn(0).buttons)
     assert [path.name for path in flat.glob("*.json")] == ["Card.radiance.json"]
     assert not (flat / "a").exists()
     assert facts(flat / "Card.radiance.json")["blend"] == "a.blend"
@@ -217,3 +234,24 @@ def test_a_job_says_so_once_other_files_are_in_the_place_of_its_own(out: Path, t
         path.unlink()
     panel_state.refresh(context.scene, context.view_layer)
     assert fate(arguments["job"]) is Fate.GONE
+
+
+def test_the_button_of_a_job_shows_its_own_bake_in_the_place_of_another(out: Path, tmp_path: Path) -> None:
+    settings().preview = True
+    save(tmp_path / "a.blend")
+    for folder in ("one", "two"):
+        submit(directory=str(out / folder))
+    finish_jobs()
+
+    def buttons() -> list[SimpleNamespace]:
+        return [dict(drawn(number).buttons)["radtex.preview_toggle"] for number in range(2)]
+
+    for shown, folder in ((0, "one"), (1, "two")):
+        assert ops.radtex.preview_toggle(**vars(buttons()[shown])) == {"FINISHED"}
+        (path,) = {bpy.path.abspath(image.filepath) for image in bpy.data.images if image.filepath}
+        assert Path(path) == out / folder / "Card.radiance.exr"
+        found = buttons()
+        assert (found[shown].action, found[1 - shown].action) == ("TOGGLE", "ON")
+    assert ops.radtex.preview_toggle(**vars(buttons()[1])) == {"FINISHED"}
+    assert not context.scene.objects["Card"].hide_render
+    assert [button.action for button in buttons()] == ["TOGGLE", "TOGGLE"]

@@ -153,7 +153,7 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
         column = layout.column(align=True)
         for line in self._asked[:_MOST]:
             draw_wrapped(column, line, "ERROR", WIDTH - _ICON)
-        if more := len(self._asked) - _MOST:
+        if more := len(self._asked[_MOST:]):
             column.label(text=iface_("and {} more").format(more), translate=False)
 
     def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:

@@ -4,25 +4,36 @@
 
 from __future__ import annotations
 
-from typing import Any, TypeGuard
+from typing import TYPE_CHECKING, Any, TypeGuard
 
 import bpy
 
 from ..panel.draw_messages import draw_text
 from ..panel.labels import iface_
 
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
 LARGE = 1.5  # height of the button for the next step, relative to a normal button
 _BLIND = ("WIREFRAME", "SOLID")  # viewport shadings that do not show materials
 
 
-def draw_switch(layout: Any, item: bpy.types.Object | None) -> Any:
-    """Draw the preview button, pressed if the bake of `item` is shown; returns its operator's properties."""
-    from ...preview.swap import is_on
+def draw_switch(layout: Any, item: bpy.types.Object | None, files: Sequence[Path] = ()) -> Any:
+    """Draw the preview button, pressed if the bake of `item` is shown; returns its operator's properties.
 
-    pressed = item is not None and is_on(item)
+    With the `files` of one bake it is pressed only if that one is shown, and shows it instead of another.
+    """
+    from ...preview.swap import is_on, shows_any_of
+
+    switched = item is not None and is_on(item)
+    pressed = item is not None and switched and (not files or shows_any_of(item, files))
     row = layout.row()
     row.scale_y = LARGE
-    return row.operator("radtex.preview_toggle", icon="HIDE_OFF" if pressed else "HIDE_ON", depress=pressed)
+    icon = "HIDE_OFF" if pressed else "HIDE_ON"
+    switch = row.operator("radtex.preview_toggle", icon=icon, depress=pressed)
+    switch.action = "ON" if switched and not pressed else "TOGGLE"
+    return switch
 
 
 def draw_layers(layout: Any, item: bpy.types.Object | None) -> None:

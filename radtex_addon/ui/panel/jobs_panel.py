@@ -70,9 +70,8 @@ def job_title(job: Job) -> str:
     if len(folders) > 1:
         name = iface_("{} bakes").format(len(folders))
     title = iface_(_TITLES[job.work]).format(name, _TARGETS.get(about, ""))
-    blend = job.order.facts.get("of_blend", "")
-    if blend and blend != bpy.data.filepath:  # another file was opened since
-        return f"{title} ({Path(blend).name})"
+    if _is_of_other_file(job):
+        return f"{title} ({Path(job.order.facts['of_blend']).name})"
     return title
 
 
@@ -108,7 +107,7 @@ def _draw_job(column: Any, job: Job) -> None:
     else:
         row = column.row(align=True)
         row.label(text=phrase(job), icon="BLANK1", translate=False)
-        if job.work == "bake" and not job.order.shared:  # the operator takes one object's name
+        if _can_resume(job, jobs.snapshot()):
             again = row.operator("radtex.bake", text="Resume", icon="PLAY")
             again.object, again.part, again.resume = job.object, job.order.part, True
             again.overwrite = False
@@ -116,6 +115,29 @@ def _draw_job(column: Any, job: Job) -> None:
         draw_text(column, remark(job.message, job.out), "BLANK1")
         column.operator("radtex.copy_report", icon="COPYDOWN").number = job.number
     _draw_warnings(column, job)
+
+
+def _can_resume(job: Job, others: Iterable[Job]) -> bool:
+    """Whether to offer to go on with a bake that was cancelled or failed.
+
+    Not once a later job has gone on with it or replaced it, nor while another file is open, whose object of
+    that name would be baked; nor for several objects, for the operator takes one name.
+    """
+    if job.work != "bake" or job.order.shared or _is_of_other_file(job):
+        return False
+    return not any(other.number > job.number and _subject(other) == _subject(job) for other in others)
+
+
+def _is_of_other_file(job: Job) -> bool:
+    """Whether another .blend is open than that of the job; if that was never saved, this is not known."""
+    blend = job.order.facts.get("of_blend", "")
+    return bool(blend) and blend != bpy.data.filepath
+
+
+def _subject(job: Job) -> tuple[object, ...]:
+    """What is baked, and into which folder."""
+    order = job.order
+    return order.work, order.object, order.shared, order.about, order.part, order.variant, order.out
 
 
 def results(job: Job, others: Iterable[Job]) -> list[str]:
@@ -186,7 +208,7 @@ def _offer_bake(column: Any, job: Job) -> None:
     has_preview = any(path.name.endswith(".preview.blend") for path in job.files)
     if has_preview:
         item = bpy.data.objects.get((job.order.shared or (job.object,))[0])
-        buttons.append(draw_show(column) if job.order.variant else draw_switch(column, item))
+        buttons.append(draw_show(column) if job.order.variant else draw_switch(column, item, job.files))
     row = column.row(align=True)
     if has_preview:
         buttons.append(row.operator("radtex.compare", text="", icon="IMAGE_REFERENCE"))

@@ -58,14 +58,28 @@ def not_baked(items: Iterable[bpy.types.Object]) -> tuple[NotBaked, ...]:
         text = f"'{instances[0].name}' shows a collection's instances, which are no objects. Make them real"
         found.append(NotBaked(text, "object.duplicates_make_real", "Make Instances Real"))
     if rest:
-        text = f"{_named(rest)}, and has no surface to bake. Select the meshes that are to show its light"
-        lamp = rest[0].type == "LIGHT"
-        found.append(NotBaked(text if lamp else f"{_named(rest)}, and has no mesh. Select a mesh"))
+        found.append(NotBaked(_without_mesh(rest, alone=len(others) == len(chosen))))
     return tuple(found)
 
 
+def _without_mesh(items: list[bpy.types.Object], *, alone: bool) -> str:
+    """The line on objects that never have a mesh; if nothing else is selected, with what to select."""
+    named = _named(items)
+    if not alone:
+        return f"Left out: {named}"
+    if len(items) > 1:
+        return f"{named}: they have no surface to bake. Select meshes"
+    if items[0].type == "LIGHT":
+        return f"{named}, and has no surface to bake. Select the meshes that are to show its light"
+    return f"{named}, and has no mesh. Select a mesh"
+
+
 def _named(items: list[bpy.types.Object]) -> str:
-    first = items[0]
-    called = _CALLED.get(first.type, "no mesh")
-    others = f" (and {len(items) - 1} more such)" if len(items) > 1 else ""
-    return f"'{first.name}' is {called}{others}"
+    """The first object of each sort, and how many more of it there are."""
+    sorts: dict[str, list[str]] = {}
+    for item in items:
+        sorts.setdefault(_CALLED.get(item.type, "no mesh"), []).append(item.name)
+    return ", ".join(
+        f"'{first}' is {called}" + (f" (and {len(others)} more such)" if others else "")
+        for called, (first, *others) in sorts.items()
+    )
