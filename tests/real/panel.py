@@ -72,6 +72,13 @@ def install(window: Window, archive: Path) -> None:
     window.ask(_KNOW)
 
 
+def start_again(window: Window, file: str) -> None:
+    """Start Blender again after it was quit, with a file of the folder, and enable RadTex."""
+    window.start_blender(file, "blender-again.log")
+    window.ask("bpy.ops.preferences.addon_enable(module='bl_ext.user_default.radtex')")
+    window.ask(_KNOW)
+
+
 def choose(window: Window, *objects: str, **settings: object) -> None:
     """Select objects, set what the panel shows, and wait until it has thought about it."""
     window.ask(_FORGET)

@@ -68,6 +68,17 @@ class Window:
         """Start a program on the screen that speaks into `log`; its number."""
         return int(self._order({"start": argv, "log": f"{self.inside}/{log}"})["pid"])
 
+    def start_blender(self, file: str = "", log: str = "blender.log") -> None:
+        """Start Blender, which speaks into `log`, with a file of the folder, and wait until it answers."""
+        width, height = map(str, SIZE)
+        command = [
+            *("blender", "--factory-startup", "--window-geometry", "0", "0", width, height),
+            *([f"{self.inside}/{file}"] if file else []),
+            *("--python", f"{_INSIDE}/driver.py", "--", self.inside),
+        ]
+        self.start(command, log)
+        self.ask("", _START)
+
     def processes(self, word: str) -> list[int]:
         """Numbers of the processes that live and whose command lines hold `word`."""
         return [pid for pid, line in self._order({"processes": None})["processes"] if word in line]
@@ -158,9 +169,8 @@ class Window:
         return picture
 
     def said(self) -> str:
-        """What Blender said."""
-        log = self.folder / "blender.log"
-        return log.read_text(errors="replace") if log.is_file() else ""
+        """What Blender said, each time that it was started."""
+        return "".join(log.read_text(errors="replace") for log in sorted(self.folder.glob("blender*.log")))
 
     def _order(self, order: Mapping[str, object]) -> dict[str, Any]:
         assert self.agent.stdin is not None
@@ -186,15 +196,7 @@ def opened(root: Root) -> Iterator[Window]:
         Started(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=log) as agent,
     ):
         window = Window(agent, folder, inside)
-        width, height = map(str, SIZE)
-        window.start(
-            [
-                *("blender", "--factory-startup", "--window-geometry", "0", "0", width, height),
-                *("--python", f"{_INSIDE}/driver.py", "--", inside),
-            ],
-            "blender.log",
-        )
-        window.ask("", _START)
+        window.start_blender()
         yield window
 
 
