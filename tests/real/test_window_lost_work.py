@@ -36,7 +36,7 @@ AWAY = 500, 600  # a place in the 3D view
 NAME, SAVE = (500, 514), (1136, 514)  # in Blender's file window, which has no window manager to place it
 PANEL = 1030, 66, 1292, 640
 BLUE = 71, 114, 179  # of a dialog's default button
-TRACED = 0.08  # the fraction of a bake before its paths are traced
+TRACED, PIECE = 0.08, 0.03  # fractions of a bake: before its paths are traced; of what a kill may lose
 FOUND = "[str(found.next) for found in panel_state._cache.found.values()]"
 PATHS = "sorted({bpy.path.abspath(image.filepath) for image in bpy.data.images if image.filepath})"
 PLACES = """{
@@ -307,9 +307,9 @@ def ends(window: Window, number: int = 0) -> None:
 
 
 def went_on(window: Window, number: int, reached: float) -> bool:
-    """Whether a job traced no paths again that were traced before: it was never less far than that."""
+    """Whether a job traced no paths again, but those of a last piece: it was never less far than that."""
     fractions = [fraction for job, _, _, fraction, _ in window.value("states") if job == number]
-    return not any(TRACED < fraction < reached - 0.001 for fraction in fractions)
+    return not any(TRACED < fraction < reached - PIECE for fraction in fractions)
 
 
 def default_button(before: PIL.Image.Image, after: PIL.Image.Image) -> tuple[int, int]:
