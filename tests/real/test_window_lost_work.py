@@ -36,7 +36,6 @@ AWAY = 500, 600  # a place in the 3D view
 NAME, SAVE = (500, 514), (1136, 514)  # in Blender's file window, which has no window manager to place it
 PANEL = 1030, 66, 1292, 640
 BLUE = 71, 114, 179  # of a dialog's default button
-TRACED, PIECE = 0.08, 0.03  # fractions of a bake: before its paths are traced; of what a kill may lose
 FOUND = "[str(found.next) for found in panel_state._cache.found.values()]"
 PATHS = "sorted({bpy.path.abspath(image.filepath) for image in bpy.data.images if image.filepath})"
 PLACES = """{
@@ -202,7 +201,7 @@ def test_a_modified_object_goes_on_after_two_cancels(window: Window) -> None:
     window.key("Escape")
     wait_until(lambda: latest(window).state == "cancelled", 10, "not cancelled by Esc")
     settle(window)
-    reached = latest(window).fraction
+    begun = pieces(window)
     assert window.value(FOUND) == ["resume"]
     look(window, "lamp-cancelled")
     window.ask("bpy.ops.radtex.clear_jobs()")
@@ -210,14 +209,14 @@ def test_a_modified_object_goes_on_after_two_cancels(window: Window) -> None:
     number = wait_for_job(window, "resume=True", right=LEFT)
     window.click(*window.find(f"radtex.cancel(number={number})", right=CROSS))
     wait_until(lambda: latest(window).state == "cancelled", 10, "not cancelled by its cross")
-    assert went_on(window, number, reached)
-    reached = latest(window).fraction
     settle(window)
+    more = pieces(window)
+    assert begun.items() < more.items()
     look(window, "lamp-cancelled-again")
 
     number = wait_for_job(window, "resume=True", right=CROSS)  # in the job's box
+    goes_on(window, more)
     ends(window, number)
-    assert went_on(window, number, reached)
     assert window.value(FOUND) == ["replace"]
     look(window, "lamp-done")
 
@@ -231,9 +230,9 @@ def test_a_modified_object_goes_on_after_blender_was_quit(window: Window) -> Non
     done = stamps(window, "lamp")
     press(window)
     wait_for(window, 0.15)
-    reached = latest(window).fraction
     window.key("ctrl+q", over_view=True)
     wait_until(lambda: not window.processes("blender"), 10, "Blender or its worker is left")
+    begun = pieces(window)
     assert not window.processes(WORKER)
     assert stamps(window, "lamp") == done
 
@@ -242,8 +241,8 @@ def test_a_modified_object_goes_on_after_blender_was_quit(window: Window) -> Non
     assert window.value(FOUND) == ["resume"]
     look(window, "lamp-opened-again")
     number = wait_for_job(window, "resume=True", right=LEFT)
+    goes_on(window, begun)
     ends(window, number)
-    assert went_on(window, number, reached)
     assert stamps(window, "lamp").keys() == done.keys()
     look(window, "lamp-done-again")
 
@@ -306,10 +305,17 @@ def ends(window: Window, number: int = 0) -> None:
     print(f"\n{told.what}: {monotonic() - since:.0f} s until it was done")
 
 
-def went_on(window: Window, number: int, reached: float) -> bool:
-    """Whether a job traced no paths again, but those of a last piece: it was never less far than that."""
-    fractions = [fraction for job, _, _, fraction, _ in window.value("states") if job == number]
-    return not any(TRACED < fraction < reached - PIECE for fraction in fractions)
+def pieces(window: Window) -> dict[str, tuple[int, int]]:
+    """The same as `stamps` of what was traced of the lamp and is kept to go on from."""
+    found = stamps(window, "lamp/Lamp.radiance.radtex-unfinished")
+    return {name: stamp for name, stamp in found.items() if name.startswith("tile-")}
+
+
+def goes_on(window: Window, begun: Mapping[str, tuple[int, int]]) -> None:
+    """Wait until a job has traced more than `begun`, none of which it traces again."""
+    assert begun
+    wait_until(lambda: len(pieces(window)) > len(begun), 60, "nothing more is traced")
+    assert begun.items() < pieces(window).items()
 
 
 def default_button(before: PIL.Image.Image, after: PIL.Image.Image) -> tuple[int, int]:
