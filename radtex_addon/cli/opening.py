@@ -13,7 +13,7 @@ from typing import Any, Protocol, cast
 import bpy
 
 from ..core.errors import InputError
-from ..formats.disk.path_checks import check_loadable
+from ..formats.disk.path_checks import check_for_blender
 from ..scene.checks.missing_files import file_warnings
 from ..scene.checks.outside import check_outside_files
 from ..scene.demo import build_demo_scene
@@ -106,7 +106,7 @@ def _named(name: str) -> bpy.types.Scene:
 
 def _open(path: Path) -> None:
     """Open a .blend without running its scripts. Raises InputError."""
-    check_loadable(path)
+    check_for_blender(path)
     try:
         if path.is_dir():
             raise InputError(f"{path} is a folder: name a .blend file in it")
