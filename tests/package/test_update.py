@@ -45,19 +45,22 @@ print(json.dumps(told), file=sys.stderr)
 def later_zip(own_zip: Path, tmp_path: Path) -> Path:
     """This zip with another version, and with words on it."""
     path = tmp_path / "later.zip"
+    with ZipFile(own_zip) as source:
+        changelog = source.read("CHANGELOG.md").decode()
+    before = changelog[changelog.index("## [Unreleased]") : changelog.index(f"## [{VERSION}]")]
     edits = {
         "blender_manifest.toml": (f'version = "{VERSION}"', f'version = "{LATER}"'),
         "radtex_addon/version.py": (f'"{VERSION}"', f'"{LATER}"'),
-        "CHANGELOG.md": ("## [Unreleased]\n", CHANGES),
+        "CHANGELOG.md": (before, CHANGES + "\n"),
     }
     with ZipFile(own_zip) as source, ZipFile(path, "w", ZIP_DEFLATED) as target:
         for info in source.infolist():
             content = source.read(info)
             if info.filename in edits:
-                before, after = edits[info.filename]
+                old, new = edits[info.filename]
                 text = content.decode()
-                assert text.count(before) == 1, info.filename
-                content = text.replace(before, after).encode()
+                assert text.count(old) == 1, info.filename
+                content = text.replace(old, new).encode()
             target.writestr(info, content)
     return path
 
