@@ -34,7 +34,9 @@ def clone(tmp_path: Path) -> Path:
     new = (
         "## [Unreleased]\n\n### Fixed\n\n- Something that\n  was wrong ([a](docs/a.md#b), [b](https://b.c))."
     )
-    changelog.write_text(text.replace("## [Unreleased]", new), encoding="utf-8")
+    earlier = text[text.index(f"## [{VERSION}]") :]
+    head = text[: text.index("## [Unreleased]")]
+    changelog.write_text(f"{head}{new}\n\n{earlier}", encoding="utf-8")
     return tmp_path
 
 
