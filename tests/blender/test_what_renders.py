@@ -28,6 +28,7 @@ from radtex_addon.scene.proxy_content import find_content
 from radtex_addon.scene.scratch import scratch_scene
 from tests.blender import stage
 from tests.blender.fingerprint import differences, fingerprint
+from tests.blender.test_scene_others import moved
 
 context: Any = bpy.context
 MIDDLE = np.array([0, 0, 4], np.float32)  # the ball's
@@ -61,16 +62,6 @@ def cube(name: str, at: tuple[float, float, float]) -> Any:
     bpy.ops.mesh.primitive_cube_add(size=1, location=at)
     context.object.name = name
     return context.object
-
-
-def moved(item: Any, name: str) -> Any:
-    """A new collection that holds the object alone."""
-    collection = bpy.data.collections.new(name)
-    context.scene.collection.children.link(collection)
-    for before in list(item.users_collection):
-        before.objects.unlink(item)
-    collection.objects.link(item)
-    return collection
 
 
 def excluded(item: Any) -> None:
