@@ -122,11 +122,13 @@ def test_lamps_are_those_that_glossy_rays_of_the_render_meet() -> None:
     assert found == {"On": [3, 0, 4], "Child": [1, 0, 7]}
 
 
-@pytest.mark.parametrize("how", ["itself", "instance", "driver"])
+@pytest.mark.parametrize("how", ["itself", "red", "instance", "driver"])
 def test_a_lamp_that_takes_light_away_is_refused_by_name(how: str, out: Path) -> None:
     ball()
     dark = lamp("Dark", (3, 0, 4))
     dark.data.energy = -60
+    if how == "red":
+        dark.data.color = 1, 0, 0
     if how == "driver":
         dark.data.energy = 60
         dark.data.driver_add("energy").driver.expression = "-60"

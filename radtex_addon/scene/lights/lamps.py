@@ -15,7 +15,7 @@ import bpy
 
 from ...core.errors import InputError
 from ...core.messages import Setting, do, leave_out
-from ..objects import rendered_homes
+from ..objects import is_rendered
 from .light import dark_world, may_glow
 from .unlit import take_lamps_away
 
@@ -73,7 +73,7 @@ def refuse_negative(lamps: Iterable[tuple[str, Any]]) -> None:
 
 def is_negative(data: Any) -> bool:
     """Whether a lamp's data take light away in a colour."""
-    return bool(data.energy * min(data.color) < 0)
+    return any(data.energy * part < 0 for part in data.color)
 
 
 def rendered_lamps(layer: bpy.types.ViewLayer) -> list[tuple[str, Any]]:
@@ -108,12 +108,8 @@ def light_only(
 
 def _lamps(layer: bpy.types.ViewLayer) -> list[bpy.types.Object]:
     layer.update()  # or it lacks objects that were linked since
-    found = (item for item in layer.objects if item.type == "LIGHT" and not item.hide_render)
-    return sorted((item for item in found if _renders(item, layer)), key=lambda item: item.name)
-
-
-def _renders(item: bpy.types.Object, layer: bpy.types.ViewLayer) -> bool:
-    return any(True for _ in rendered_homes(item, layer))
+    found = (item for item in layer.objects if item.type == "LIGHT" and is_rendered(item, layer))
+    return sorted(found, key=lambda item: item.name)
 
 
 def _members(collection: str) -> set[str]:
