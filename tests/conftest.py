@@ -21,6 +21,8 @@ os.environ["BLENDER_USER_RESOURCES"] = _BLENDER_HOME.name
 hypothesis.settings.register_profile("radtex", derandomize=True, deadline=None)
 hypothesis.settings.load_profile("radtex")
 
+pytest_plugins = ["tests.costs"]
+
 _EXIT_CODE = pytest.StashKey[int]()
 
 
