@@ -18,6 +18,10 @@ if "bpy" in sys.modules:
 _BLENDER_HOME = tempfile.TemporaryDirectory(prefix="radtex-blender-home-")
 os.environ["BLENDER_USER_RESOURCES"] = _BLENDER_HOME.name
 
+# Where tests share finished bakes (finished_bakes.py), unless the run gives a folder.
+_BAKES = tempfile.TemporaryDirectory(prefix="radtex-test-bakes-")
+os.environ.setdefault("RADTEX_TEST_BAKES", _BAKES.name)
+
 hypothesis.settings.register_profile("radtex", derandomize=True, deadline=None)
 hypothesis.settings.load_profile("radtex")
 
@@ -37,6 +41,7 @@ def pytest_unconfigure(config: pytest.Config) -> None:
     """End at once: a run once hung in what Blender or a driver tidies up at a process's exit."""
     if _EXIT_CODE in config.stash:
         _BLENDER_HOME.cleanup()
+        _BAKES.cleanup()
         sys.stdout.flush()
         sys.stderr.flush()
         os._exit(config.stash[_EXIT_CODE])

@@ -70,9 +70,9 @@ def main() -> int:
         everywhere = [f"--ignore={REAL}", "-m", "not one_blender"]
         runs = dict.fromkeys(runs, [] if os.environ.get("RADTEX_EVERY_BLENDER") else everywhere)
         runs |= {NEWEST: [f"--ignore={REAL}"], f"{NEWEST} real": [REAL]}
-    with tempfile.TemporaryDirectory() as bytecode, ThreadPoolExecutor(len(runs)) as pool:
+    with tempfile.TemporaryDirectory() as shared, ThreadPoolExecutor(len(runs)) as pool:
         ended = [
-            pool.submit(run_pytest, name, arguments, bytecode, len(runs) > 1)
+            pool.submit(run_pytest, name, arguments, Path(shared), len(runs) > 1)
             for name, arguments in runs.items()
         ]
     outcomes = [run.result() for run in ended]
@@ -115,18 +115,21 @@ class Outcome:
     costs: list[Cost] = field(default_factory=list)
 
 
-def run_pytest(name: str, arguments: list[str], bytecode: str, beside: bool) -> tuple[int, Outcome]:
+def run_pytest(name: str, arguments: list[str], shared: Path, beside: bool) -> tuple[int, Outcome]:
     """Run pytest in the environment of the Blender that `name` begins with.
 
-    Return its exit code and how its tests ended. Beside others, each line says whose it is. Tests start
-    hundreds of Pythons: what they compile is kept in the folder `bytecode`, which saves each a second.
+    Return its exit code and how its tests ended. Beside others, each line says whose it is. In the folder
+    `shared` are the bakes that many tests read (tests/finished_bakes.py), and what the hundreds of Pythons
+    that tests start compile, which saves each a second.
     """
     blender = name.split(maxsplit=1)[0]
     command = [UV, "run", "--frozen", "--python", PYTHON_OF[blender]]
     command += ["--no-default-groups", f"--group=blender-{blender.replace('.', '')}", "--group=test"]
     command += ["python", "-m", "pytest"]
     environment = os.environ | {"UV_PROJECT_ENVIRONMENT": str(ROOT / f".venv-{blender}")}
-    environment |= {"PYTHONPYCACHEPREFIX": bytecode}
+    bakes = Path(os.environ.get("RADTEX_TEST_BAKES") or shared / "bakes")
+    bakes.mkdir(parents=True, exist_ok=True)
+    environment |= {"PYTHONPYCACHEPREFIX": str(shared / "bytecode"), "RADTEX_TEST_BAKES": str(bakes)}
     for name_of_other in ("VIRTUAL_ENV", "PYTHONDONTWRITEBYTECODE"):
         environment.pop(name_of_other, None)
     with tempfile.TemporaryDirectory() as folder:

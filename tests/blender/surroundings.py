@@ -28,6 +28,11 @@ def make_small(patch: pytest.MonkeyPatch, smaller: int = 4) -> None:
         patch.setattr(module, name, size // smaller)
 
 
+def sizes() -> list[int]:
+    """How large they are now."""
+    return [int(getattr(module, name)) for module, name, _ in _WHOLE]
+
+
 def make_whole(patch: pytest.MonkeyPatch) -> None:
     """Let them be as large as users' again."""
     make_small(patch, 1)
