@@ -21,6 +21,7 @@ import copy
 import json
 import os
 import random
+import resource
 import subprocess
 import sys
 import time
@@ -32,9 +33,9 @@ from typing import Any
 
 ROOT = Path(__file__).resolve().parents[3]
 PACKAGE = ROOT / "radtex_addon"
-LONGEST = (
-    8  # a test under a fault may take so many times what it took, and a minute, until it counts as failed
-)
+# Tests under a fault may take so many times the processor time that they took, and a minute, until they count
+# as failed, and so many times of the clock, and ten minutes: other work may be going on beside.
+LONGEST, LONGEST_WALL = 4, 20
 
 _SWAPS: dict[type[ast.AST], Any] = {
     ast.Add: ast.Sub,
@@ -281,7 +282,7 @@ def judged(mutant: Mutant, covering: Recording, seconds: float) -> Verdict:
     began = time.monotonic()
     try:
         path.write_text(texts[place], encoding="utf-8")
-        failed, by = first_failure(tests, 60 + LONGEST * sum(covering.cpu[test] for test in tests))
+        failed, by = first_failure(tests, sum(covering.cpu[test] for test in tests))
     finally:
         path.write_text(whole, encoding="utf-8")
     taken = round(time.monotonic() - began, 1)
@@ -293,8 +294,12 @@ def _is_same(one: Mutant, other: Mutant) -> bool:
     return all(getattr(one, key) == getattr(other, key) for key in keys)
 
 
-def first_failure(tests: Sequence[str], limit: float) -> tuple[bool, str]:
-    """Whether a test failed, and which; one that takes too long, or ends the process, has failed."""
+def first_failure(tests: Sequence[str], cpu: float) -> tuple[bool, str]:
+    """Whether a test failed, and which; one that takes too long, or ends the process, has failed.
+
+    Unharmed they take `cpu` seconds of processor time.
+    """
+    limit = int(60 + LONGEST * cpu)
     command = [sys.executable, "-B", "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "--no-header"]
     environment = os.environ | {"PYTHONDONTWRITEBYTECODE": "1"}
     environment.pop("PYTHONPYCACHEPREFIX", None)
@@ -309,7 +314,8 @@ def first_failure(tests: Sequence[str], limit: float) -> tuple[bool, str]:
             capture_output=True,
             text=True,
             errors="replace",
-            timeout=limit,
+            timeout=600 + LONGEST_WALL * cpu,
+            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, (limit, limit)),
             check=False,
         )
     except subprocess.TimeoutExpired:
