@@ -27,7 +27,20 @@ hypothesis.settings.load_profile("radtex")
 
 pytest_plugins = ["tests.costs"]
 
+# Folders of numbers and files alone. What numpy 1.26 and Python 3.11, which the oldest Blender brings, could
+# change of them runs with every Blender: the maths (tests/core), and these.
+_ONE_BLENDER = ("bake", "export", "formats", "fuzz", "layered", "report")
+_EVERY_BLENDER = ("test_atomic.py", "test_block_codecs.py", "test_lock.py", "test_rgb9e5.py")
+
 _EXIT_CODE = pytest.StashKey[int]()
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark what runs with the newest Blender alone, before `-m` looks at it."""
+    for item in items:
+        if item.path.parent.name in _ONE_BLENDER and item.path.name not in _EVERY_BLENDER:
+            item.add_marker(pytest.mark.one_blender)
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -50,14 +50,6 @@ def test_distances_are_scipys(share: float, shape: tuple[int, int]) -> None:
     np.testing.assert_array_equal((j - rows) ** 2 + (i - columns) ** 2, np.rint(distance**2))
 
 
-def test_one_covered_texel_fills_everything() -> None:
-    covered = np.zeros((5, 9), dtype=bool)
-    covered[4, 0] = True
-    j, i = nearest_covered(covered)
-    assert (j == 4).all()
-    assert (i == 0).all()
-
-
 def test_dilation_copies_buckets_in_place_and_leaves_covered_ones_alone() -> None:
     rng = np.random.default_rng(2)
     covered = rng.uniform(size=(12, 17)) < 0.2

@@ -16,7 +16,6 @@ from hypothesis.extra import numpy as hnp
 from radtex_addon.core import hemisphere as hs
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import ShapeError
-from tests.reference import projections
 
 Real: TypeAlias = type[np.floating[Any]]
 
@@ -35,66 +34,29 @@ def hemisphere_directions(draw: st.DrawFn) -> Floats:
     return np.array([[sine * np.cos(azimuth), sine * np.sin(azimuth), cosine]])
 
 
-def random_directions(count: int, seed: int = 1) -> Floats:
-    rng = np.random.default_rng(seed)
-    d = rng.normal(size=(count, 3))
-    d[:, 2] = np.abs(d[:, 2])
-    unit: Floats = d / np.linalg.norm(d, axis=1, keepdims=True)
-    return unit
-
-
-@given(hemisphere_directions(), dtypes)
-def test_direction_survives_the_disc(direction: Floats, dtype: Real) -> None:
-    direction = direction.astype(dtype)
-    back = hs.equisolid_inverse(hs.equisolid(direction))
-    assert back.dtype == dtype
-    np.testing.assert_allclose(back, direction, atol=TOLERANCE[dtype], rtol=0)
-
-
 @given(hemisphere_directions(), dtypes)
 def test_direction_survives_the_bucket(direction: Floats, dtype: Real) -> None:
     direction = direction.astype(dtype)
     b = hs.direction_to_square(direction)
+    back = hs.square_to_direction(b)
+    assert back.dtype == b.dtype == dtype
     assert np.abs(b).max() <= 1
-    np.testing.assert_allclose(hs.square_to_direction(b), direction, atol=TOLERANCE[dtype], rtol=0)
-
-
-@given(squares, dtypes)
-def test_square_survives_the_disc(b: Floats, dtype: Real) -> None:
-    b = b.astype(dtype)
-    a = hs.square_to_disc(b)
-    assert np.linalg.norm(a, axis=1).max() <= 1 + TOLERANCE[dtype]
-    np.testing.assert_allclose(hs.disc_to_square(a), b, atol=TOLERANCE[dtype], rtol=0)
+    np.testing.assert_allclose(back, direction, atol=TOLERANCE[dtype], rtol=0)
 
 
 @given(squares, dtypes)
 def test_square_survives_the_hemisphere(b: Floats, dtype: Real) -> None:
     b = b.astype(dtype)
+    assert np.linalg.norm(hs.square_to_disc(b), axis=1).max() <= 1 + TOLERANCE[dtype]
     direction = hs.square_to_direction(b)
     np.testing.assert_allclose(np.linalg.norm(direction, axis=1), 1, atol=TOLERANCE[dtype])
     np.testing.assert_allclose(hs.direction_to_square(direction), b, atol=TOLERANCE[dtype], rtol=0)
-
-
-@given(hemisphere_directions(), st.integers(0, 2**32 - 1))
-def test_half_vector_form_is_the_same_in_any_rotated_frame(direction: Floats, seed: int) -> None:
-    rotation, _ = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))
-    t, bt, n = rotation  # left- or right-handed: the formula knows no hand
-    world = direction @ rotation
-    a = hs.equisolid(direction)
-    np.testing.assert_allclose(projections.equisolid_half(world, t, bt, n), a, atol=1e-12)
-    np.testing.assert_allclose(projections.equisolid_half_inverse(a, t, bt, n), world, atol=1e-12)
 
 
 def test_radius_is_sqrt2_sine_of_half_the_angle() -> None:
     theta = np.linspace(0, np.pi / 2, 50)
     direction = np.stack([np.sin(theta), np.zeros(50), np.cos(theta)], axis=-1)
     np.testing.assert_allclose(hs.equisolid(direction)[:, 0], np.sqrt(2) * np.sin(theta / 2), atol=1e-15)
-
-
-def test_projection_keeps_area() -> None:
-    """Uniform directions fill the disc uniformly: |A|^2 = 1 - cos(theta), uniform over the hemisphere."""
-    squared = np.sort((hs.equisolid(random_directions(200_000)) ** 2).sum(axis=1))
-    np.testing.assert_allclose(squared, np.linspace(0, 1, len(squared)), atol=5e-3)
 
 
 @pytest.mark.parametrize("dtype", [np.float64, np.float32])
@@ -122,10 +84,7 @@ def test_below_the_horizon_lands_on_the_rim_at_its_azimuth() -> None:
     for z in (-0.01, -0.5, -0.999999):
         sunk = np.concatenate([rim * np.sqrt(1 - z * z), np.full((9, 1), z)], axis=1)
         np.testing.assert_allclose(hs.equisolid(sunk), rim, atol=1e-9)
-        frame = np.eye(3)
-        np.testing.assert_allclose(projections.equisolid_half(sunk, *frame), rim, atol=1e-9)
     assert (hs.equisolid(np.array([[0, 0, -1.0]])) == 0).all()
-    assert (projections.equisolid_half(np.array([[0, 0, -1.0]]), *np.eye(3)) == 0).all()
 
 
 def test_a_nan_stays_where_it_is() -> None:
@@ -166,10 +125,7 @@ def test_wrong_shapes_are_named(function: Callable[..., object], argument: objec
         function(argument)
 
 
-def test_empty_arrays_pass_through() -> None:
+def test_empty_arrays_pass_through_and_integers_become_float64() -> None:
     assert hs.direction_to_square(np.zeros((0, 3))).shape == (0, 2)
     assert hs.square_to_direction(np.zeros((5, 0, 2))).shape == (5, 0, 3)
-
-
-def test_integers_become_float64() -> None:
     assert hs.equisolid(np.array([[0, 0, 1]])).dtype == np.float64

@@ -7,11 +7,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from radtex_addon.core.errors import ShapeError
-from radtex_addon.core.frame import normalised
 from radtex_addon.core.sampler import Filter, sample
 from tests.lookups import LAYOUT, random_atlas, random_lookups
-from tests.reference.hits import hit_viewer, sample_hit
+from tests.reference.hits import sample_hit
 
 LOOKUPS = random_lookups()
 RNG = np.random.default_rng(8)
@@ -38,21 +36,3 @@ def test_a_ray_from_behind_finds_the_rim_on_its_side() -> None:
         for ray in (depth * up - across, -across)
     )
     np.testing.assert_allclose(found, rim, rtol=1e-9)
-
-
-def test_the_viewer_of_a_ray_stands_on_or_above_the_horizon() -> None:
-    ray, normal = (normalised(RNG.normal(size=(1000, 3))) for _ in "ab")
-    viewer, facing = hit_viewer(ray, normal), np.sum(ray * normal, axis=1)
-    np.testing.assert_allclose(np.linalg.norm(viewer, axis=1), 1)
-    front = facing <= 0
-    np.testing.assert_allclose(viewer[front], -ray[front], atol=1e-15)
-    np.testing.assert_allclose(np.sum(viewer * normal, axis=1)[~front], 0, atol=1e-12)
-    on_a_plane = np.linalg.det(np.stack([viewer, ray, normal], axis=1))
-    np.testing.assert_allclose(on_a_plane, 0, atol=1e-12)
-    assert (np.sum(viewer * ray, axis=1) < 0).all()
-
-
-def test_rays_that_do_not_fit_are_refused() -> None:
-    ones = np.ones((4, 3))
-    with pytest.raises(ShapeError, match=r"ray: expected shape \(4, 3\)"):
-        sample_hit(random_atlas(), LAYOUT, ones[:, :2], ones[:3], ones, ones, np.ones(4), Filter.QUADRILINEAR)

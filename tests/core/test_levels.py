@@ -10,8 +10,7 @@ import pytest
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.errors import ShapeError
 from radtex_addon.core.levels import fitting_levels, halved, pad, padded_layout
-from radtex_addon.core.sampler import Filter, sample
-from tests.lookups import LAYOUT, random_atlas, random_lookups
+from tests.lookups import LAYOUT, random_atlas
 from tests.reference.levels import level_chain, sample_level
 
 LEVELS = 4  # 13 x 7 texels are stored as 16 x 8
@@ -50,25 +49,6 @@ def test_the_mean_of_half_floats_does_not_overflow() -> None:
     assert (last == 65504).all()
 
 
-def test_level_0_is_the_quadrilinear_filter() -> None:
-    lookups = random_lookups()
-    uv, incidence = lookups.uv.astype(float), lookups.incidence
-    result = sample_level(level_chain(ATLAS, LAYOUT, LEVELS), LAYOUT, uv, incidence, np.array(0.0))
-    np.testing.assert_allclose(result, sample(ATLAS, LAYOUT, uv, incidence, Filter.QUADRILINEAR), rtol=1e-14)
-
-
-def test_between_levels_lies_the_line_between_both() -> None:
-    chain = level_chain(ATLAS, LAYOUT, LEVELS)
-    lookups = random_lookups()
-    uv, incidence = lookups.uv[:500].astype(float), lookups.incidence[:500]
-    below, above, between = (
-        sample_level(chain, LAYOUT, uv, incidence, np.array(level)) for level in (1.0, 2.0, 1.25)
-    )
-    np.testing.assert_allclose(between, 0.75 * below + 0.25 * above, rtol=1e-12)
-    beyond = sample_level(chain, LAYOUT, uv, incidence, np.array(99.0))
-    np.testing.assert_array_equal(beyond, sample_level(chain, LAYOUT, uv, incidence, np.array(3.0)))
-
-
 @pytest.mark.parametrize("level", [0, 1, 1.5, 2])
 def test_levels_do_not_shift_what_they_blur(level: float) -> None:
     """A slope over u stays the same slope, away from the edges, though 13 texels have no half."""
@@ -77,25 +57,6 @@ def test_levels_do_not_shift_what_they_blur(level: float) -> None:
     uv = np.stack([np.linspace(0.2, 0.75, 100), np.full(100, 0.4)], axis=-1)
     result = sample_level(chain, LAYOUT, uv, np.tile([0.0, 0.0, 1.0], (100, 1)), np.array(level))
     np.testing.assert_allclose(result[:, 0], uv[:, 0] * 13, rtol=1e-12)
-
-
-def test_texels_that_only_padding_made_are_never_seen() -> None:
-    chain = level_chain(ATLAS, AtlasLayout(13, 7, 6), 4)
-    half = AtlasLayout(8, 4, 6).to_buckets(chain[1])
-    half[:, 7:] = np.nan  # 13 texels are 6.5 of level 1: the eighth is padding alone
-    uv = np.stack([np.linspace(0.9, 1, 50), np.linspace(0, 1, 50)], axis=-1)
-    up = np.tile([0.0, 0.0, 1.0], (50, 1))
-    chain[1] = AtlasLayout(8, 4, 6).from_buckets(half)
-    assert np.isfinite(sample_level(chain, LAYOUT, uv, up, np.array(1.0))).all()
-
-
-def test_a_nan_spoils_its_own_lookup_only() -> None:
-    chain = level_chain(np.ones((42, 78, 1)), LAYOUT, 2)
-    uv = np.array([[0.5, np.nan], [0.5, 0.5], [0.5, 0.5], [0.5, 0.5]])
-    incidence = np.array([[0, 0, 1], [np.nan, 0, 1], [0, 0, 1], [0, 0, 1]], float)
-    result = sample_level(chain, LAYOUT, uv, incidence, np.array([0, 0, np.nan, 0.5]))
-    assert np.isnan(result[:3]).all()
-    assert result[3] == 1
 
 
 @pytest.mark.parametrize(

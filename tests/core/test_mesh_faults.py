@@ -10,8 +10,6 @@ import pytest
 from radtex_addon.core.arrays import Ints
 from radtex_addon.core.mesh_faults import overlaid, repeated, turned_share
 
-pytestmark = pytest.mark.one_blender
-
 PLACE = np.array([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=np.float32)
 QUADS = np.array([(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)])
 

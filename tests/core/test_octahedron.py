@@ -21,7 +21,6 @@ Real: TypeAlias = type[np.floating[Any]]
 
 TOLERANCE: dict[Real, float] = {np.float64: 1e-12, np.float32: 2e-6}
 dtypes = st.sampled_from([np.float64, np.float32])
-inside = st.floats(1e-6, 1 - 1e-6)  # a place on an edge has a twin: there the direction is compared
 anywhere = st.one_of(st.floats(0, 1), st.sampled_from([0.0, 0.5, 1.0, 0.5 + 1e-12, 1e-12]))
 
 
@@ -60,13 +59,6 @@ def test_direction_survives_the_square(direction: Floats, dtype: Real) -> None:
     np.testing.assert_allclose(back, direction, atol=TOLERANCE[dtype], rtol=0)
 
 
-@given(places(inside), dtypes)
-def test_place_survives_the_sphere(place: Floats, dtype: Real) -> None:
-    place = place.astype(dtype)
-    back = oc.direction_to_octahedron(oc.octahedron_to_direction(place))
-    np.testing.assert_allclose(back, place, atol=TOLERANCE[dtype], rtol=0)
-
-
 @given(places(anywhere), dtypes)
 def test_every_place_even_on_an_edge_is_a_unit_direction_that_comes_back(place: Floats, dtype: Real) -> None:
     direction = oc.octahedron_to_direction(place.astype(dtype))
@@ -100,19 +92,19 @@ def test_eight_octants_have_a_triangle_each() -> None:
     np.testing.assert_allclose(np.abs(xy), np.where(signs[:, 2:] > 0, 1 / 3, 2 / 3) * np.ones(2), atol=1e-15)
 
 
-@pytest.mark.parametrize("dtype", [np.float64, np.float32])
-def test_the_zero_vector_lands_in_the_middle(dtype: Real) -> None:
-    zeros = np.array([[0, 0, 0], [-0.0, -0.0, -0.0]], dtype)
-    np.testing.assert_array_equal(oc.direction_to_octahedron(zeros), 0.5)
-
-
-def test_a_nan_stays_where_it_is() -> None:
+def test_what_has_no_direction_stays_what_it_is() -> None:
+    for dtype in (np.float64, np.float32):
+        zeros = np.array([[0, 0, 0], [-0.0, -0.0, -0.0]], dtype)
+        np.testing.assert_array_equal(oc.direction_to_octahedron(zeros), 0.5)
     place = oc.direction_to_octahedron(np.array([[np.nan, 0, 1], [0, np.nan, -1], [0, 0, np.nan], [0, 0, 1]]))
     assert np.isnan(place[:3]).any(axis=1).all()
     assert (place[3] == 0.5).all()
     direction = oc.octahedron_to_direction(np.array([[np.nan, 0.3], [0.5, 0.5]]))
     assert np.isnan(direction[0]).any()
     np.testing.assert_array_equal(direction[1], [0, 0, 1])
+    assert oc.direction_to_octahedron(np.zeros((0, 3))).shape == (0, 2)
+    assert oc.octahedron_to_direction(np.zeros((5, 0, 2))).shape == (5, 0, 3)
+    assert oc.sample_octahedron(np.zeros((4, 4, 3)), np.zeros((0, 2))).shape == (0, 3)
 
 
 @given(places(anywhere), st.integers(1, 9), dtypes)
@@ -128,25 +120,17 @@ def test_weights_are_a_share_of_one_and_cells_lie_on_the_map(place: Floats, size
 
 
 @pytest.mark.parametrize("size", [1, 2, 5, 8])
-def test_a_lookup_at_a_cells_centre_is_the_cell(size: int) -> None:
+def test_a_lookup_at_a_cells_centre_is_the_cell_and_knows_its_direction(size: int) -> None:
     image = np.random.default_rng(1).random((size, size, 3))
     np.testing.assert_allclose(oc.sample_octahedron(image, centres(size)), image, atol=1e-14)
     numbers = np.arange(size * size).reshape(size, size)
     np.testing.assert_array_equal(oc.octahedron_cell(centres(size), size), numbers)
-
-
-@pytest.mark.parametrize("size", [1, 3, 8])
-def test_a_map_s_cells_know_their_places_and_directions(size: int) -> None:
+    corners = np.array([[0, 0], [1, 0], [0, 1], [1, 1]], float)
+    np.testing.assert_array_equal(oc.octahedron_cell(corners, size), numbers[[0, 0, -1, -1], [0, -1, 0, -1]])
     places, found = oc.cell_places(size), oc.cell_directions(size)
     assert places.dtype == found.dtype == np.float32
-    np.testing.assert_array_equal(oc.octahedron_cell(places, size), np.arange(size * size))
     np.testing.assert_allclose(places, centres(size).reshape(-1, 2), atol=1e-7)
     np.testing.assert_allclose(oc.direction_to_octahedron(found), places, atol=1e-6)
-
-
-def test_the_squares_far_edge_belongs_to_the_last_cells() -> None:
-    corners = np.array([[0, 0], [1, 0], [0, 1], [1, 1]], float)
-    np.testing.assert_array_equal(oc.octahedron_cell(corners, 4), [0, 3, 12, 15])
 
 
 def test_a_lookup_of_a_smooth_picture_is_the_picture_in_every_direction() -> None:
@@ -199,9 +183,3 @@ def test_no_seam_anywhere_on_the_sphere(size: int) -> None:
 def test_wrong_shapes_are_named(function: Callable[..., object], arguments: tuple[object, ...]) -> None:
     with pytest.raises(ShapeError, match="expected shape"):
         function(*arguments)
-
-
-def test_empty_arrays_pass_through() -> None:
-    assert oc.direction_to_octahedron(np.zeros((0, 3))).shape == (0, 2)
-    assert oc.octahedron_to_direction(np.zeros((5, 0, 2))).shape == (5, 0, 3)
-    assert oc.sample_octahedron(np.zeros((4, 4, 3)), np.zeros((0, 2))).shape == (0, 3)

@@ -4,17 +4,14 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pytest
 
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.errors import InputError, ShapeError
-from radtex_addon.core.levels import pad
 from radtex_addon.core.pages import Pages, fitting_pages
 from radtex_addon.formats.containers.texture import Form, PixelFormat
 from tests.lookups import LAYOUT, random_atlas
-from tests.reference.levels import level_chain
-from tests.reference.pages import join_pages, page_chain, split_pages
+from tests.reference.pages import split_pages
 
 ATLAS = random_atlas()
 
@@ -61,21 +58,6 @@ def test_a_texel_lies_where_the_contract_says() -> None:
     assert (stack[layer, :, 18:24] == stack[layer, :, 12:18]).all()  # the 14th texel repeats the 13th
 
 
-def test_joined_pages_are_the_atlas() -> None:
-    for limit in (12, 30, 77, 1000):
-        pages = fitting_pages(LAYOUT, limit)
-        assert (join_pages(split_pages(ATLAS, LAYOUT, pages), LAYOUT, pages) == ATLAS).all()
-
-
-def test_levels_of_the_pages_are_pages_of_the_levels() -> None:
-    pages = fitting_pages(LAYOUT, 30, levels=3)
-    stored = pages.stored(6)
-    whole = level_chain(pad(ATLAS, LAYOUT, stored), stored, 3)
-    for level, paged in enumerate(page_chain(ATLAS, LAYOUT, pages, 3)):
-        half = AtlasLayout(stored.width >> level, stored.height >> level, 6)
-        np.testing.assert_array_equal(paged, split_pages(whole[level], half, pages.at_level(level)))
-
-
 def test_what_cannot_be_is_refused_in_words() -> None:
     with pytest.raises(InputError, match="30 pixels hold no 8 texels of 6 cells"):
         fitting_pages(LAYOUT, 30, levels=4)
@@ -83,11 +65,5 @@ def test_what_cannot_be_is_refused_in_words() -> None:
         fitting_pages(AtlasLayout(64, 64, 6), 6)
     with pytest.raises(ShapeError, match="no level 2"):
         Pages(1, 1, 6, 8).at_level(2)
-    with pytest.raises(ShapeError, match="no level 2"):
-        page_chain(ATLAS, LAYOUT, Pages(2, 1, 10, 8), 3)
     with pytest.raises(ShapeError, match="does not fit"):
         split_pages(ATLAS, LAYOUT, Pages(1, 1, 12, 7))
-    with pytest.raises(ShapeError, match="expected shape"):
-        join_pages(np.zeros((1, 42, 72, 4)), LAYOUT, Pages(1, 1, 13, 7))
-    with pytest.raises(ShapeError, match="do not hold"):
-        join_pages(np.zeros((1, 42, 72, 4)), LAYOUT, Pages(1, 1, 12, 7))

@@ -9,11 +9,10 @@ import pytest
 
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.errors import ShapeError
-from radtex_addon.core.sampler import Filter, sample
 from radtex_addon.core.slices import to_slices
-from tests.lookups import LAYOUT, random_atlas, random_lookups
+from tests.lookups import LAYOUT, random_atlas
 from tests.reference.levels import level_chain
-from tests.reference.slices import from_slices, mip_chain, sample_slices
+from tests.reference.slices import from_slices, mip_chain
 
 ATLAS = random_atlas().astype(np.float64)
 
@@ -26,25 +25,11 @@ def test_a_layer_holds_one_cell_of_all_texels() -> None:
     assert (from_slices(slices) == ATLAS).all()
 
 
-def test_level_0_is_the_quadrilinear_filter() -> None:
-    lookups = random_lookups()
-    uv, incidence = lookups.uv.astype(float), lookups.incidence
-    result = sample_slices(mip_chain(to_slices(ATLAS, LAYOUT)), uv, incidence, np.array(0.0))
-    np.testing.assert_allclose(result, sample(ATLAS, LAYOUT, uv, incidence, Filter.QUADRILINEAR), rtol=1e-14)
-
-
 def test_levels_have_floored_sizes_and_one_mean() -> None:
     chain = mip_chain(to_slices(ATLAS, LAYOUT))
     assert [level.shape[1:3] for level in chain] == [(7, 13), (3, 6), (1, 3), (1, 1)]
     for level in chain:
         np.testing.assert_allclose(level.mean(axis=(1, 2)), chain[0].mean(axis=(1, 2)), rtol=1e-12)
-
-
-def test_even_sizes_are_the_plain_mean_of_2_x_2() -> None:
-    slices = to_slices(ATLAS[: 4 * 6, : 8 * 6], AtlasLayout(8, 4, 6))
-    np.testing.assert_allclose(
-        mip_chain(slices)[1][:, 1, 2], slices[:, 2:4, 4:6].mean(axis=(1, 2)), rtol=1e-14
-    )
 
 
 def test_odd_sizes_weigh_three_pixels_by_their_overlap() -> None:
@@ -62,30 +47,6 @@ def test_levels_are_those_of_the_matrix_where_nothing_is_odd() -> None:
     for level, image in enumerate(level_chain(atlas, layout, 3)):
         half = AtlasLayout(8 >> level, 4 >> level, 6)
         np.testing.assert_allclose(to_slices(image, half), chain[level], rtol=1e-14)
-
-
-def test_a_constant_stays_what_it_is_at_every_level() -> None:
-    chain = mip_chain(np.full((4, 37, 21, 3), 0.7))
-    lookups = random_lookups()
-    level = np.linspace(-1, 9, len(lookups.uv))
-    result = sample_slices(chain, lookups.uv.astype(float), lookups.incidence, level)
-    np.testing.assert_allclose(result, 0.7, rtol=1e-13)
-
-
-def test_between_levels_lies_the_line_between_both() -> None:
-    chain = mip_chain(to_slices(ATLAS, LAYOUT))
-    lookups = random_lookups()
-    uv, incidence = lookups.uv[:500].astype(float), lookups.incidence[:500]
-    below, above, between = (sample_slices(chain, uv, incidence, np.array(at)) for at in (1.0, 2.0, 1.25))
-    np.testing.assert_allclose(between, 0.75 * below + 0.25 * above, rtol=1e-12)
-
-
-def test_a_nan_spoils_its_own_lookup_only() -> None:
-    uv = np.array([[0.5, np.nan], [0.5, 0.5], [0.5, 0.5], [0.5, 0.5]])
-    incidence = np.array([[0, 0, 1], [np.nan, 0, 1], [0, 0, 1], [0, 0, 1]], float)
-    result = sample_slices(mip_chain(np.ones((4, 3, 3, 1))), uv, incidence, np.array([0, 0, np.nan, 0.5]))
-    assert np.isnan(result[:3]).all()
-    assert result[3] == 1
 
 
 def test_wrong_shapes_are_named() -> None:

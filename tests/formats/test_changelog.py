@@ -10,8 +10,6 @@ from radtex_addon.core.errors import FormatError
 from radtex_addon.formats.changelog import CHANGELOG, changes_since, parse_changelog, plain
 from radtex_addon.version import VERSION
 
-pytestmark = pytest.mark.one_blender
-
 TEXT = """\
 <!-- a licence -->
 # Changelog

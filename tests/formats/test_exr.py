@@ -34,18 +34,13 @@ def test_pixels_and_sidecar_come_back_exactly(
     tmp_path: Path, channels: int, half: bool, compression: Compression
 ) -> None:
     path, pixels = tmp_path / "a.exr", light(channels)
+    pixels = pixels if half else pixels * np.float32(1 / 3)  # which need all their bits
     written = write_atlas(path, pixels, SIDECAR, half, compression)
     read, sidecar = read_atlas(path)
     np.testing.assert_array_equal(read, pixels)
     assert read.dtype == (np.float16 if half else np.float32)
     assert sidecar == written == SIDECAR
     assert list(tmp_path.iterdir()) == [path]
-
-
-def test_floats_keep_all_their_bits(tmp_path: Path) -> None:
-    pixels = np.random.default_rng(2).normal(size=(80, 192, 4)).astype(np.float32)
-    write_atlas(tmp_path / "a.exr", pixels, SIDECAR, half=False)
-    np.testing.assert_array_equal(read_atlas(tmp_path / "a.exr")[0], pixels)
 
 
 def test_dwaa_is_close(tmp_path: Path) -> None:
@@ -116,26 +111,17 @@ def test_a_failing_write_leaves_the_old_file(tmp_path: Path, monkeypatch: pytest
     assert list(tmp_path.iterdir()) == [path]
 
 
-@pytest.mark.parametrize("share", [0.0001, 0.05, 0.5, 0.999])
-def test_a_file_that_was_cut_short_is_refused(tmp_path: Path, share: float) -> None:
+def test_a_file_that_was_cut_short_or_damaged_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "a.exr"
     write_atlas(path, light(), SIDECAR)
     data = path.read_bytes()
-    path.write_bytes(data[: int(len(data) * share)])
-    for read in (read_atlas, read_render):
-        with pytest.raises(FormatError, match=r"a\.exr is (damaged|not an OpenEXR file)"):
-            read(path)
-
-
-def test_a_file_with_damaged_pixels_is_refused(tmp_path: Path) -> None:
-    path = tmp_path / "a.exr"
-    write_atlas(path, light(), SIDECAR)
-    data = bytearray(path.read_bytes())
     middle = len(data) // 2
-    data[middle : middle + 200] = bytes(200)
-    path.write_bytes(data)
-    with pytest.raises(FormatError, match=r"a\.exr is damaged"):
-        read_atlas(path)
+    spoilt = data[:middle] + bytes(200) + data[middle + 200 :]
+    for harmed in (spoilt, *(data[: int(len(data) * share)] for share in (0.0001, 0.05, 0.5, 0.999))):
+        path.write_bytes(harmed)
+        for read in (read_atlas, read_render):
+            with pytest.raises(FormatError, match=r"a\.exr is (damaged|not an OpenEXR file)"):
+                read(path)
 
 
 def test_missing_and_foreign_files_are_refused(tmp_path: Path) -> None:
@@ -224,54 +210,36 @@ def test_a_plain_float_image_is_a_render_of_one_layer(tmp_path: Path) -> None:
         layers = read_render(tmp_path / "a.exr")
         assert list(layers) == [""]
         np.testing.assert_array_equal(layers[""], pixels)
+    store(tmp_path / "a.exr", "", V=light()[..., 0].copy())
+    assert read_render(tmp_path / "a.exr")[""].shape == (80, 192, 1)
 
 
 @pytest.mark.parametrize("parts", [False, True])
 def test_the_layers_of_a_render_are_joined(tmp_path: Path, parts: bool) -> None:
     """Blender 4.5 writes all layers into one part, 5.x each into a part of its own."""
-    path, pixels = tmp_path / "a.exr", light().astype(np.float32)
-    one = {f"Layer é.x.Combined.{c}": pixels[..., k].copy() for k, c in enumerate("RGBA")}
-    two = {f"Layer é.x.Position.{c}": pixels[..., k].copy() for k, c in enumerate("XYZ")}
-    three = {f"Layer é.x.UV.{c}": pixels[..., k].copy() for k, c in enumerate("UVA")}
+    path, pixels = tmp_path / "a.exr", light()
+    names = {"Combined": "RGBA", "Position": "XYZ", "UV": "UVA"}
     groups: list[dict[str, Floats]] = [
-        one,
-        two,
-        three,
-        {"Layer é.x.Object Index.X": pixels[..., 3].astype(np.float16)},
+        {f"Layer é.x.{name}.{c}": pixels[..., k].copy() for k, c in enumerate(channels)}
+        for name, channels in names.items()
     ]
+    groups.append({"Layer é.x.Object Index.X": pixels[..., 3].astype(np.float16)})
     if parts:
         header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
-        OpenEXR.File([OpenEXR.Part({**header}, group, f"part {k}") for k, group in enumerate(groups)]).write(
-            str(path)
-        )
+        made = [OpenEXR.Part({**header}, group, f"part {k}") for k, group in enumerate(groups)]
+        OpenEXR.File(made).write(str(path))
     else:
         store(path, "", **{name: channel for group in groups for name, channel in group.items()})
     layers = read_render(path)
     assert {layer.dtype for layer in layers.values()} == {np.dtype(np.float32)}
-    assert set(layers) == {f"Layer é.x.{name}" for name in ("Combined", "Position", "UV", "Object Index")}
-    np.testing.assert_array_equal(layers["Layer é.x.Combined"], pixels[::-1])
-    np.testing.assert_array_equal(layers["Layer é.x.Position"], pixels[::-1, :, :3])
-    np.testing.assert_array_equal(layers["Layer é.x.UV"], pixels[::-1, :, :3])
-    np.testing.assert_array_equal(layers["Layer é.x.Object Index"], pixels[::-1, :, 3:])
-
-
-def test_grey_renders_have_one_channel(tmp_path: Path) -> None:
-    store(tmp_path / "a.exr", "", V=light()[..., 0].copy())
-    assert read_render(tmp_path / "a.exr")[""].shape == (80, 192, 1)
+    expected = {f"Layer é.x.{name}": pixels[..., : len(channels)] for name, channels in names.items()}
+    expected["Layer é.x.Object Index"] = pixels[..., 3:]
+    assert set(layers) == set(expected)
+    for name, values in expected.items():
+        np.testing.assert_array_equal(layers[name], values[::-1])
 
 
 def test_sizes_are_readable() -> None:
     assert [readable_size(n) for n in (512, 2**20 - 1, 1.5 * 2**30)] == ["512 bytes", "1024 KiB", "1.5 GiB"]
     memory = physical_memory()
     assert memory is None or 2**28 < memory < 2**50
-
-
-def test_standard_error_hears_nothing_of_a_damaged_file(
-    tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
-    path = tmp_path / "cut.exr"
-    write_atlas(path, light(), SIDECAR)
-    path.write_bytes(path.read_bytes()[:-8])
-    with pytest.raises(FormatError, match="damaged"):
-        read_atlas(path)
-    assert capfd.readouterr().err == ""

@@ -10,11 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 import zstandard
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
 
 from radtex_addon.core.arrays import Floats
-from radtex_addon.core.errors import BakeError, FormatError, InputError, ShapeError
+from radtex_addon.core.errors import FormatError, InputError, ShapeError
 from radtex_addon.formats.codecs.bc7 import Blocks
 from radtex_addon.formats.containers.ktx2 import read_ktx2, write_ktx2
 from radtex_addon.formats.containers.texture import (
@@ -79,6 +77,7 @@ def test_a_texture_comes_back_as_it_was(
     write_ktx2(path, written, zstd)
     read = read_ktx2(path)
     assert (read.format, read.width, read.height, read.is_array) == (kind, 33, 22, is_array)
+    assert words(path.read_bytes(), 32, 1) == (layers if is_array else 0,)
     for ours, theirs in zip(written.levels, read.levels, strict=True):
         np.testing.assert_array_equal(theirs, ours)
     assert list(path.parent.iterdir()) == [path]
@@ -174,24 +173,6 @@ def test_the_descriptors_are_those_of_khronos(tmp_path: Path, zstd: bool) -> Non
     read_ktx2(tmp_path / "a.ktx2")
 
 
-def test_a_texture_that_is_no_array_has_no_layers(tmp_path: Path) -> None:
-    write_ktx2(tmp_path / "a.ktx2", encode_texture(images(1), PixelFormat.BC6H))
-    assert words((tmp_path / "a.ktx2").read_bytes(), 32, 1) == (0,)
-
-
-@pytest.mark.parametrize("length", [0, 5, 12, 79, 100, 200, 300, 700])
-def test_a_file_that_is_cut_short_is_refused(file: Path, length: int) -> None:
-    file.write_bytes(file.read_bytes()[:length])
-    with pytest.raises(FormatError, match=r"a\.ktx2 is (cut short|not a KTX2 file)"):
-        read_ktx2(file)
-
-
-def test_a_file_with_more_in_it_is_refused(file: Path) -> None:
-    file.write_bytes(file.read_bytes() + b"x")
-    with pytest.raises(FormatError, match=r"a\.ktx2 has more in it"):
-        read_ktx2(file)
-
-
 @pytest.mark.parametrize(
     ("offset", "value", "message"),
     [
@@ -258,42 +239,11 @@ def test_a_texture_beyond_the_memory_is_refused(file: Path, monkeypatch: pytest.
         read_ktx2(file)
 
 
-@given(st.lists(st.tuples(st.integers(0, 400), st.integers(0, 255)), min_size=1, max_size=4), st.data())
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
-def test_any_header_is_read_or_refused(
-    file: Path, changes: list[tuple[int, int]], data: st.DataObject
-) -> None:
-    whole = file.read_bytes()
-    damaged = bytearray(whole)
-    for offset, value in changes:
-        damaged[offset] = value
-    other = file.with_name("b.ktx2")
-    other.write_bytes(damaged[: data.draw(st.sampled_from([len(whole), 200, len(whole) - 1]))])
-    try:
-        read = read_ktx2(other)
-    except FormatError:
-        return
-    assert (read.width, read.height, read.layers, len(read.levels)) == (33, 22, 2, 3)
-
-
-def test_a_missing_file_and_a_folder_are_refused(tmp_path: Path) -> None:
-    for path in (tmp_path / "none.ktx2", tmp_path):
-        with pytest.raises(FormatError, match="cannot be read"):
-            read_ktx2(path)
-
-
 def test_other_formats_are_not_written(tmp_path: Path) -> None:
     blocks: Blocks = np.zeros((1, 2, 2, 16), np.uint8)
     with pytest.raises(InputError, match=r"BC5 is not written to KTX2; choose RGBA16F, RGB9E5, BC3"):
         write_ktx2(tmp_path / "a.ktx2", Texture(PixelFormat.BC5, 8, 8, (blocks,)))
     assert not list(tmp_path.iterdir())
-
-
-def test_a_failed_write_leaves_nothing(tmp_path: Path) -> None:
-    (tmp_path / "a.ktx2").mkdir()
-    with pytest.raises(BakeError, match=r"a\.ktx2 could not be written"):
-        write_ktx2(tmp_path / "a.ktx2", texture())
-    assert list(tmp_path.iterdir()) == [tmp_path / "a.ktx2"]
 
 
 def test_levels_that_are_no_mip_chain_make_no_texture() -> None:

@@ -12,23 +12,11 @@ from radtex_addon.formats.sample_counts import count_text, read_counts
 
 
 def test_runs_go_row_after_row_from_the_bottom() -> None:
-    counts = np.array([[8, 8, 8], [8, 24, 24], [8, 8, 16]])
-    assert count_text(counts) == "8x4 24x2 8x2 16x1"
-    np.testing.assert_array_equal(read_counts("8x4 24x2 8x2 16x1", 3, 3, "here"), counts)
-
-
-def test_what_is_written_is_read() -> None:
-    counts = np.random.default_rng(1).integers(1, 4, (37, 53))
-    np.testing.assert_array_equal(read_counts(count_text(counts), 53, 37, "here"), counts)
-
-
-def test_very_many_samples_are_read_too() -> None:
-    counts = np.array([[2**24 * 1000, 8]])
-    np.testing.assert_array_equal(read_counts(count_text(counts), 2, 1, "here"), counts)
-
-
-def test_equal_counts_need_no_words() -> None:
-    assert not count_text(np.full((4, 5), 16))
+    counts = np.array([[8, 8, 8], [8, 24, 24], [8, 8, 2**24 * 1000]])
+    assert count_text(counts) == "8x4 24x2 8x2 16777216000x1"
+    assert not count_text(np.full((4, 5), 16))  # equal ones need no words
+    for each in (counts, np.random.default_rng(1).integers(1, 4, (37, 53))):
+        np.testing.assert_array_equal(read_counts(count_text(each), *each.shape[::-1], "here"), each)
 
 
 @pytest.mark.parametrize("text", ["", "8x4", "8x10", "0x9", "8x4,24x5", "8x4  24x5", "-8x9", "8x0 8x9"])

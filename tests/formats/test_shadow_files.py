@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import OpenEXR
@@ -17,19 +18,7 @@ from radtex_addon.formats.containers.exr import ATTRIBUTE, Compression, write_at
 from radtex_addon.formats.shadow_files import Words, read_shadow, read_shadow_of, write_shadow
 from radtex_addon.formats.sidecar import Sidecar, write_sidecar
 
-FACTS = Sidecar(
-    object_name="Vase",
-    kind="shadow",
-    width=5,
-    height=3,
-    bucket=8,
-    uv_map="RadTex",
-    samples=1,
-    seed=0,
-    capture="portal",
-    tool="RadTex",
-    blender="5.2",
-)
+FACTS = Sidecar("Vase", "shadow", 5, 3, 8, "RadTex", 1, 0, "portal", "RadTex", "5.2")
 
 
 def random_words(facts: Sidecar = FACTS) -> Words:
@@ -72,26 +61,21 @@ def test_only_a_shadow_is_read(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("facts", "said"),
+    ("facts", "dtype", "said"),
     [
-        (replace(FACTS, bucket=9), "expected word0000, word0001, word0002"),
-        (replace(FACTS, width=4), "5 x 3 pixels of uint32, its header says 4 x 3"),
+        (replace(FACTS, bucket=9), np.uint32, "expected word0000, word0001, word0002"),
+        (replace(FACTS, width=4), np.uint32, "5 x 3 pixels of uint32, its header says 4 x 3"),
+        (FACTS, np.float32, "pixels of float32"),
     ],
 )
-def test_a_header_that_says_otherwise_is_found_out(tmp_path: Path, facts: Sidecar, said: str) -> None:
+def test_a_header_that_says_otherwise_is_found_out(
+    tmp_path: Path, facts: Sidecar, dtype: type[Any], said: str
+) -> None:
     path, words = tmp_path / "Vase.shadow.exr", random_words()
-    channels = {f"word{k:04d}": np.ascontiguousarray(words[..., k]) for k in range(2)}
+    channels = {f"word{k:04d}": words[..., k].astype(dtype) for k in range(2)}
     header = {ATTRIBUTE: facts.to_json(), "type": OpenEXR.scanlineimage}
     OpenEXR.File(header, channels).write(str(path))
     with pytest.raises(FormatError, match=said):
-        read_shadow(path)
-
-
-def test_floats_under_the_right_names_are_no_bits(tmp_path: Path) -> None:
-    path = tmp_path / "Vase.shadow.exr"
-    channels = {f"word{k:04d}": np.zeros((3, 5), np.float32) for k in range(2)}
-    OpenEXR.File({ATTRIBUTE: FACTS.to_json(), "type": OpenEXR.scanlineimage}, channels).write(str(path))
-    with pytest.raises(FormatError, match="pixels of float32"):
         read_shadow(path)
 
 
@@ -101,16 +85,6 @@ def test_files_of_two_bakes_are_told_apart(tmp_path: Path) -> None:
     write_sidecar(path.with_suffix(".json"), replace(FACTS, seed=1))
     with pytest.raises(FormatError, match="of another bake"):
         read_shadow_of(path.with_suffix(".json"))
-
-
-def test_what_is_cut_short_or_missing_is_named(tmp_path: Path) -> None:
-    path = tmp_path / "Vase.shadow.exr"
-    with pytest.raises(FormatError, match=r"Vase\.shadow\.exr cannot be read"):
-        read_shadow(path)
-    write_shadow(path, random_words(), FACTS)
-    path.write_bytes(path.read_bytes()[:-20])
-    with pytest.raises(FormatError, match="damaged"):
-        read_shadow(path)
 
 
 def test_what_cannot_be_written_leaves_what_was(tmp_path: Path) -> None:

@@ -11,14 +11,9 @@ import json
 from pathlib import Path
 from random import Random
 
-import pytest
-
 from .corpus import make_corpus
 from .grammar import command_line
 from .lines import FOLDER, KEPT, judge
-
-pytestmark = pytest.mark.one_blender
-
 
 EXECUTIONS = 300
 

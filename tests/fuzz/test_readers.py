@@ -16,8 +16,6 @@ import pytest
 from .readers import READERS
 from .run import FAILURES, ROOT
 
-pytestmark = pytest.mark.one_blender
-
 EXECUTIONS = 60  # of each reader
 
 

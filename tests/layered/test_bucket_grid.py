@@ -19,8 +19,6 @@ from radtex_addon.forms.layered.fit.rows import halved, random_half
 from tests.layered.made_up import places_of
 from tests.layered.test_layered import SIDE, flat_plan
 
-pytestmark = pytest.mark.one_blender
-
 CELLS, SAMPLES = 6, 32
 
 

@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
 from radtex_addon.bake.light_samples import LightSamples, mirrored, spread_shifts
 from radtex_addon.core.arrays import Bools
@@ -20,8 +19,6 @@ from radtex_addon.forms.layered.lookup.environment import Around, Pictures
 from radtex_addon.forms.layered.lookup.lobes import LOBES, STEPS, Material
 from radtex_addon.forms.layered.samples import OwnRays
 from tests.layered.test_layered import SIDE, flat_plan, flat_samples
-
-pytestmark = pytest.mark.one_blender
 
 
 def _fitted(waves: float, hit: Bools | None = None, parts: Parts = ALL_PARTS) -> Buckets:

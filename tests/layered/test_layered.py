@@ -33,8 +33,6 @@ from radtex_addon.forms.layered.lookup.lobes import lobe
 from radtex_addon.forms.layered.lookup.visibility import seen_free
 from tests.layered.made_up import places_of
 
-pytestmark = pytest.mark.one_blender
-
 SIDE = 12  # texels of a flat atlas
 CELLS = 8
 

@@ -24,8 +24,6 @@ from radtex_addon.forms.layered.samples import Capture, OwnRays
 from tests.layered.test_layered import CELLS, SIDE, flat_plan, flat_samples
 from tests.layered.test_ways import stripes_below
 
-pytestmark = pytest.mark.one_blender
-
 
 def _dependence(strength: float) -> Floats | None:
     """Of a flat square whose noisy light gets brighter towards viewers in +X."""

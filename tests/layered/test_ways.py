@@ -28,8 +28,6 @@ from radtex_addon.forms.layered.lookup.ways import (
 )
 from radtex_addon.forms.layered.samples import ExitSamples
 
-pytestmark = pytest.mark.one_blender
-
 SIDE, CELLS, TIMES = 10, 4, 3
 EYE = np.array([0.0, 0.0, 3.0])
 HEIGHT = -1.0

@@ -9,8 +9,6 @@ a facet's back does not count as a hit; rays from outside a closed object never 
 
 from __future__ import annotations
 
-import numpy as np
-
 from radtex_addon.core.arrays import Floats, as_floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.errors import ShapeError
@@ -39,12 +37,3 @@ def sample_hit(
         raise ShapeError(f"ray: expected shape {normal.shape}, as the normals have, got {ray.shape}")
     frame = orthonormal_frame(normal, tangent, sign)
     return sample(image, layout, uv, to_frame(-normalised(ray), *frame), kind)
-
-
-def hit_viewer(ray: Floats, normal: Floats) -> Floats:
-    """Unit directions from the surface back along rays, clamped to the horizon; all (K, 3), unit.
-
-    A ray exactly along the normal (from behind) has no azimuth: its result is zero or rounding noise.
-    """
-    along = np.sum(as_floats("ray", ray, 3) * normal, axis=-1, keepdims=True)
-    return normalised(np.maximum(along, 0) * normal - ray)
