@@ -47,33 +47,26 @@ def flat(plan: CapturePlan, name: str) -> Floats:
     return field
 
 
-def test_every_covered_texel_is_captured_once_in_row_order() -> None:
-    covered = some_covered()
-    plan = plan_capture(texel_map(covered), 4)
-    assert plan.texel.tolist() == [int(k) for k in np.flatnonzero(covered)]
-    assert (plan.layout.width, plan.layout.height, plan.layout.bucket) == (14, 9, 4)
-
-
-def test_rays_start_with_the_texels_own_point_and_frame() -> None:
+def test_every_covered_texel_is_captured_once_from_its_own_point_and_frame() -> None:
     covered = some_covered()
     texels = texel_map(covered)
     plan = plan_capture(texels, 4)
+    assert plan.texel.tolist() == [int(k) for k in np.flatnonzero(covered)]
+    assert (plan.layout.width, plan.layout.height, plan.layout.bucket) == (14, 9, 4)
+    for name in ("position", "tangent", "bitangent", "normal", "facet"):  # which Cycles reads as images
+        assert getattr(plan, name).dtype == np.float32
+        assert getattr(plan, name).shape == (plan.rows, plan.columns, 3)
     np.testing.assert_array_equal(flat(plan, "position"), texels.position[covered])
     np.testing.assert_array_equal(flat(plan, "facet"), texels.facet[covered])
     np.testing.assert_allclose(flat(plan, "normal"), texels.normal[covered], atol=1e-6)
     np.testing.assert_allclose(flat(plan, "tangent"), texels.tangent[covered], atol=1e-6)
     bitangent = texels.sign[..., None] * np.cross(texels.normal, texels.tangent)
     np.testing.assert_allclose(flat(plan, "bitangent"), bitangent[covered], atol=1e-6)
+    with pytest.raises(InputError, match="covers no texel"):
+        plan_capture(texel_map(np.zeros((4, 4), dtype=bool)), 4)
 
 
-def test_fields_are_float32_because_cycles_reads_them_as_images() -> None:
-    plan = plan_capture(texel_map(some_covered()), 4)
-    for name in ("position", "tangent", "bitangent", "normal", "facet"):
-        assert getattr(plan, name).dtype == np.float32
-        assert getattr(plan, name).shape == (plan.rows, plan.columns, 3)
-
-
-def test_the_last_row_is_padded_with_the_last_texel() -> None:
+def test_the_last_row_is_padded_with_the_last_texel_and_tiles_are_without_it() -> None:
     covered = np.zeros((8, 8), dtype=bool)
     covered.ravel()[:53] = True  # a prime number has no grid of its own
     plan = plan_capture(texel_map(covered), 2)
@@ -81,12 +74,6 @@ def test_the_last_row_is_padded_with_the_last_texel() -> None:
     assert 0 < spare < plan.columns
     padding = plan.position.reshape(-1, 3)[53:]
     np.testing.assert_array_equal(padding, np.broadcast_to(flat(plan, "position")[-1], (spare, 3)))
-
-
-def test_tiles_name_their_texels_without_the_padding() -> None:
-    covered = np.zeros((8, 8), dtype=bool)
-    covered.ravel()[:53] = True
-    plan = plan_capture(texel_map(covered), 2)
     rows = [plan.texels_of(Tile(row, 1)) for row in range(plan.rows)]
     assert all(len(row) == plan.columns for row in rows[:-1])
     assert np.concatenate(rows).tolist() == plan.texel.tolist()
@@ -124,32 +111,19 @@ def test_a_gutters_texel_has_what_the_nearest_one_has() -> None:
     np.testing.assert_array_equal(placed, np.repeat(marks[[0, 0, 0, 1, 1]][None], 3, axis=0))
 
 
-def test_a_layer_that_covers_nothing_is_refused() -> None:
-    with pytest.raises(InputError, match="covers no texel"):
-        plan_capture(texel_map(np.zeros((4, 4), dtype=bool)), 4)
-
-
-def test_sheets_are_as_large_as_was_asked() -> None:
+def test_sheets_are_as_large_as_was_asked_and_cut_tiles_and_fields() -> None:
     texels = texel_map(np.ones((40, 50), dtype=bool))
     plan = plan_capture(texels, 4, sheet=64)  # 16 x 16 buckets
-    assert plan.columns * 4 <= 64
-    assert plan.columns * plan.sheet_rows <= 16 * 16
-    assert plan.sheets == -(-plan.rows // plan.sheet_rows) == 8
-    assert plan_capture(texels, 4).sheets == 1
-
-
-def test_a_tile_lies_in_the_sheets_that_it_crosses() -> None:
-    plan = plan_capture(texel_map(np.ones((40, 50), dtype=bool)), 4, sheet=64)
     height = plan.sheet_rows
+    assert plan.columns * 4 <= 64
+    assert plan.columns * height <= 16 * 16
+    assert plan.sheets == -(-plan.rows // height) == 8
+    assert plan_capture(texels, 4).sheets == 1
     found = list(plan.in_sheets(Tile(height - 2, height + 3)))
     assert found == [(0, Tile(height - 2, 2)), (1, Tile(0, height)), (2, Tile(0, 1))]
-
-
-def test_a_sheets_window_repeats_the_plans_last_row() -> None:
-    plan = plan_capture(texel_map(np.ones((40, 50), dtype=bool)), 4, sheet=64)
     windows = np.concatenate([plan.window(plan.position, sheet) for sheet in range(plan.sheets)])
     np.testing.assert_array_equal(windows[: plan.rows], plan.position)
-    behind = windows[plan.rows :]
+    behind = windows[plan.rows :]  # repeats the plan's last row
     np.testing.assert_array_equal(behind, np.broadcast_to(plan.position[-1], behind.shape))
 
 
@@ -162,17 +136,14 @@ def test_sheets_have_seeds_of_their_own() -> None:
 
 
 @given(count=st.integers(1, 20_000), bucket=st.integers(2, 256), sheet=st.integers(4, 4096))
-def test_the_packed_image_wastes_little(count: int, bucket: int, sheet: int) -> None:
-    rows, columns = module._shape(count, bucket, sheet)
+def test_the_packed_image_wastes_little_and_a_single_sheet_is_near_square(
+    count: int, bucket: int, sheet: int
+) -> None:
     least = -(-module.MIN_IMAGE_SIDE // bucket)
+    rows, columns = module._shape(count, bucket, sheet)
     assert columns <= max(least, sheet // bucket)
     assert rows * columns >= count
     assert rows == least or (rows - 1) * columns < count
-
-
-@given(count=st.integers(1, 20_000), bucket=st.integers(2, 256))
-def test_a_single_sheet_is_near_square(count: int, bucket: int) -> None:
     rows, columns = module._shape(count, bucket, module.MAX_IMAGE_SIDE)
-    least = -(-module.MIN_IMAGE_SIDE // bucket)
     assert max(rows, columns) <= 5 * max(least, min(rows, columns))
     assert rows * columns - count <= 0.02 * count + 2 or rows == least

@@ -36,19 +36,6 @@ def refusal(**changes: Any) -> str:
     return message
 
 
-def test_the_defaults_are_the_designs() -> None:
-    default = BakeSpec()
-    assert (default.kind, default.capture) == (Kind.RADIANCE, CaptureMethod.PORTAL)
-    assert (default.texels, default.bucket, default.samples) == (128, 8, 16)
-    assert (default.half, default.compression, default.unwrap) == (True, Compression.ZIP, Unwrap.AUTO)
-    assert default.pixels_a_side == 1024
-    assert default.pixel_count == 1024**2
-    assert default.path_count == 16 * 1024**2
-    assert default.atlas_bytes < 80 * 1024**2
-    with pytest.raises(FrozenInstanceError):
-        default.texels = 2  # type: ignore[misc]
-
-
 @pytest.mark.parametrize(
     ("name", "value", "bounds"),
     [
@@ -70,10 +57,6 @@ def test_a_number_out_of_bounds_is_named_with_its_bounds(name: str, value: objec
     assert refusal(**{name: value}) == f"{called} {value}: give a whole number from {bounds}"
 
 
-def test_the_smallest_bake_is_one_texel_of_four_cells() -> None:
-    assert BakeSpec(texels=1, bucket=2, samples=1).path_count == 4
-
-
 def test_an_image_beyond_blenders_limit_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(memory_limits, "physical_memory", lambda: None)
     assert "makes 65544 pixels a side, 65536 is the most" in refusal(texels=8193, bucket=8)
@@ -85,7 +68,9 @@ def test_an_atlas_beyond_the_memory_is_refused(monkeypatch: pytest.MonkeyPatch) 
     needs = "a side of 4096 texels with 8 cells needs 4.3 GiB of memory"
     expected = f"{needs}, this machine has 1.0 GiB: lower one of them"
     assert refusal(texels=4096, bucket=8) == expected
+    assert "a side of 4096 texels with 14 cells needs" in refusal(layout=Layout.LAYERED, texels=4096)
     assert BakeSpec(texels=1024, bucket=8).atlas_bytes < 2**30
+    assert BakeSpec().atlas_bytes < 80 * 1024**2
 
 
 @pytest.mark.parametrize("other", [{}, {"layout": "layered"}, {"kind": "transfer"}, {"accumulate": True}])
@@ -130,6 +115,7 @@ def test_the_layered_layout_chooses_its_cells_itself() -> None:
         ({"kind": Kind.INCIDENT}, "knows kind radiance only, not incident: choose layout buckets"),
         ({"kind": Kind.REFLECTION}, "knows kind radiance only, not reflection"),
         ({"bucket": 1}, "cells 1: give a whole number from 2 to 256"),
+        ({"capture": CaptureMethod.PANORAMIC}, "panoramic"),
         ({"samples": 4097}, "samples in the layered layout 4097: give a whole number from 1 to 4096"),
     ],
 )
@@ -137,37 +123,24 @@ def test_what_the_layered_layout_does_not_know_is_refused(changes: dict[str, Any
     assert words in refusal(layout=Layout.LAYERED, **changes)
 
 
-def test_the_layered_layout_is_captured_by_the_portal() -> None:
-    assert "panoramic" in refusal(layout=Layout.LAYERED, capture=CaptureMethod.PANORAMIC)
-
-
 def test_a_layered_bake_takes_fewer_paths_than_a_plain_one() -> None:
     assert 0.3 * BakeSpec().path_count < BakeSpec(layout=Layout.LAYERED).path_count < BakeSpec().path_count
 
 
-def test_a_layered_bake_beyond_the_memory_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(memory_limits, "physical_memory", lambda: 2**31)
-    assert "a side of 4096 texels with 14 cells needs" in refusal(layout=Layout.LAYERED, texels=4096)
-
-
-def test_a_former_layout_is_refused_with_those_that_there_are() -> None:
-    assert refusal(layout="shared") == "there is no layout 'shared': choose from buckets, layered"
-
-
-def test_an_empty_uv_layer_is_refused() -> None:
-    assert "UV layer" in refusal(uv_layer="")
-
-
-def test_text_becomes_the_choice_it_names() -> None:
+def test_text_becomes_the_choice_it_names_and_costs_are_of_all_cells() -> None:
     made = BakeSpec(kind="incident", capture="panoramic", compression="dwaa", unwrap="blender")  # type: ignore[arg-type]
-    assert made.kind is Kind.INCIDENT
-    assert made.capture is CaptureMethod.PANORAMIC
-    assert made.compression is Compression.DWAA
-    assert made.unwrap is Unwrap.BLENDER
+    assert (made.kind, made.capture) == (Kind.INCIDENT, CaptureMethod.PANORAMIC)
+    assert (made.compression, made.unwrap) == (Compression.DWAA, Unwrap.BLENDER)
+    assert (made.pixels_a_side, made.pixel_count, made.path_count) == (1024, 1024**2, 16 * 1024**2)
+    assert BakeSpec(texels=1, bucket=2, samples=1).path_count == 4
+    with pytest.raises(FrozenInstanceError):
+        made.texels = 2  # type: ignore[misc]
 
 
 def test_an_unknown_choice_is_refused_with_the_choices() -> None:
     assert refusal(kind="specular") == f"there is no kind 'specular': choose from {', '.join(Kind)}"
+    assert refusal(layout="shared") == "there is no layout 'shared': choose from buckets, layered"
+    assert "UV layer" in refusal(uv_layer="")
     for parse, word in (
         (parse_kind, "kind"),
         (parse_capture, "capture"),

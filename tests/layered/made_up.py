@@ -4,13 +4,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 
+from radtex_addon.bake.light_samples import LightSamples
+from radtex_addon.bake.plan import CapturePlan
 from radtex_addon.core.arrays import Floats
+from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.fragments import Fragments
 from radtex_addon.core.frame import normalised
 from radtex_addon.forms.layered.capture.panoramas import panorama_directions
 from radtex_addon.forms.layered.cells import CELLS
+from radtex_addon.forms.layered.fit.bucket_grid import BucketGrid
+from radtex_addon.forms.layered.fit.own_light import Surface
 from radtex_addon.forms.layered.fit.rows import Places
 from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas
 from radtex_addon.forms.layered.lookup.environment import Around, Impostor, Lamp, Layer, Pictures, Plane
@@ -60,15 +68,54 @@ def made_up_atlas(texels: int, size: int, cells: tuple[int, int] = CELLS[0]) -> 
     )
 
 
-def made_up_fragments(atlas: LayeredAtlas, count: int) -> Fragments:
-    """Anywhere on a ball around the middle, seen from its front."""
+def made_up_fragments(atlas: LayeredAtlas, count: int, framed: bool = False) -> Fragments:
+    """Anywhere on a ball around the middle, seen from its front, with tangents if they are `framed`."""
     rng = np.random.default_rng(2)
     normal, viewer = (normalised(rng.normal(size=(count, 3))) for _ in range(2))
     viewer *= np.sign((normal * viewer).sum(axis=1, keepdims=True))
     position = atlas.around.middle + 0.7 * normal
     fields = (rng.uniform(size=(count, 2)), normal, viewer, position)
     uv, normal, viewer, position = (field.astype(np.float32) for field in fields)
-    return Fragments(uv, normal, viewer, position, rng.integers(len(atlas.materials), size=count))
+    at = Fragments(uv, normal, viewer, position, rng.integers(len(atlas.materials), size=count))
+    if not framed:
+        return at
+    tangent = normalised(np.cross(normal, [0.1, 0.2, 0.97])).astype(np.float32)
+    return replace(at, tangent=tangent, bitangent=np.cross(normal, tangent).astype(np.float32))
+
+
+def flat_plan(side: int, cells: int, axes: Floats | None = None) -> CapturePlan:
+    """Texels of a unit square that faces +Z; `axes` are its T, Bt and N, the world's if there are none."""
+    step = (np.arange(side) + 0.5) / side
+    x, y = np.meshgrid(step, step)
+    place = np.stack([x, y, np.zeros_like(x)], axis=-1).astype(np.float32)
+    axes = np.eye(3) if axes is None else axes
+    along, across, up = (np.tile(axis, (side, side, 1)).astype(np.float32) for axis in axes)
+    return CapturePlan(AtlasLayout(side, side, cells), np.arange(side * side), place, along, across, up, up)
+
+
+def light_samples(plan: CapturePlan, square: Floats, **light: Floats) -> LightSamples:
+    """Samples of which all are seen, of a white surface, black but for the `light` that is given."""
+    black = np.zeros((*square.shape[:2], 3), np.float16)
+    parts = dict.fromkeys(("diffuse", "mirrored", "through"), black)
+    parts |= {name: values.astype(np.float16) for name, values in light.items()}
+    seen, colour = np.ones(square.shape[:2], dtype=bool), np.ones((len(plan.texel), 3), np.float32)
+    return LightSamples(plan, square, seen=seen, colour=colour, **parts)
+
+
+def white_surface(plan: CapturePlan, around: Around, free: Floats, **other: Any) -> Surface:
+    """A white matt surface that faces +Z, but for what is given."""
+    count = len(plan.texel)
+    white = np.ones((count, 3), np.float32)
+    parts: dict[str, Any] = {
+        "normal": np.tile(np.array([0, 0, 1], np.float32), (count, 1)),
+        "diffuse": white,
+        "falloff": np.ones((1, 16, 3), np.float32),
+        "tint": white,
+        "width": white[:, 0],
+        "material": np.zeros(count, np.int32),
+        "materials": (),
+    }
+    return Surface(BucketGrid.of(plan, 1), around=around, free=free, **parts | other)
 
 
 def _waves(rng: np.random.Generator, place: Floats, channels: int) -> Floats:

@@ -16,8 +16,8 @@ from radtex_addon.forms.layered.fit import bucket_grid
 from radtex_addon.forms.layered.fit.bucket_grid import Block, BucketGrid
 from radtex_addon.forms.layered.fit.harmonics import fit_harmonics
 from radtex_addon.forms.layered.fit.rows import halved, random_half
-from tests.layered.made_up import places_of
-from tests.layered.test_layered import SIDE, flat_plan
+from tests.layered.made_up import flat_plan, places_of
+from tests.layered.test_layered import SIDE
 
 CELLS, SAMPLES = 6, 32
 
@@ -30,7 +30,7 @@ def _sums(grid: BucketGrid, place: Floats, column: Floats) -> Floats:
 
 
 def test_a_bucket_sums_the_samples_of_its_texels() -> None:
-    plan, rng = flat_plan(16), np.random.default_rng(1)
+    plan, rng = flat_plan(SIDE, 16), np.random.default_rng(1)
     place = rng.random((2, SIDE * SIDE, SAMPLES)).astype(np.float32)
     column = rng.random(place.shape[1:]).astype(np.float32)
     single = Taps.of(place, CELLS).scatter([column]).reshape(SIDE, SIDE, -1)
@@ -43,7 +43,7 @@ def test_a_bucket_sums_the_samples_of_its_texels() -> None:
 
 
 def test_samples_look_up_the_bucket_of_their_texel() -> None:
-    plan, rng = flat_plan(16), np.random.default_rng(2)
+    plan, rng = flat_plan(SIDE, 16), np.random.default_rng(2)
     place = rng.random((2, SIDE * SIDE, SAMPLES)).astype(np.float32)
     grid = BucketGrid.of(plan, 2)
     table = rng.random((2, len(grid), CELLS**2)).astype(np.float32)
@@ -54,7 +54,7 @@ def test_samples_look_up_the_bucket_of_their_texel() -> None:
 
 
 def test_what_pooling_leaves_of_noise_is_known() -> None:
-    grid = BucketGrid.of(flat_plan(16), 2)
+    grid = BucketGrid.of(flat_plan(SIDE, 16), 2)
     each = np.eye(len(grid), dtype=np.float32)[:, :, None]
     side = SIDE // 2
     middle = side // 2 * side + side // 2
@@ -65,7 +65,7 @@ def test_what_pooling_leaves_of_noise_is_known() -> None:
 
 
 def test_cells_are_pooled_a_few_at_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
-    grid = BucketGrid.of(flat_plan(16), 2)
+    grid = BucketGrid.of(flat_plan(SIDE, 16), 2)
     table = np.random.default_rng(3).random((2, len(grid), CELLS**2)).astype(np.float32)
 
     def mean(own: Floats, pooled: Floats) -> Floats:
@@ -101,7 +101,7 @@ def test_small_arrays_hold_what_is_read_from_them() -> None:
 
 
 def test_buckets_without_samples_have_no_harmonics() -> None:
-    grid = BucketGrid.of(flat_plan(16), 2)
+    grid = BucketGrid.of(flat_plan(SIDE, 16), 2)
     shape = (SIDE * SIDE, SAMPLES)
     direction = np.broadcast_to(np.array([0, 0, 1], np.float32), (*shape, 3))
     found = fit_harmonics(direction, np.ones((*shape, 3)), np.zeros(shape, np.float32), grid, 0.03)

@@ -7,59 +7,35 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from radtex_addon.bake.light_samples import EndSamples, LightSamples, mirrored, spread_shifts
+from radtex_addon.bake.light_samples import EndSamples, mirrored, spread_shifts
 from radtex_addon.bake.progress import finished
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.hemisphere import square_to_direction
 from radtex_addon.core.octahedron import cell_directions
 from radtex_addon.cycles.portal import Aim
-from radtex_addon.forms.layered.fit.bucket_grid import BucketGrid
 from radtex_addon.forms.layered.fit.falloffs import fit_falloffs
 from radtex_addon.forms.layered.fit.fitting import fit_layered
-from radtex_addon.forms.layered.fit.own_light import Surface
 from radtex_addon.forms.layered.fit.texel_maps import tints
 from radtex_addon.forms.layered.fit.view_dependence import view_dependence
 from radtex_addon.forms.layered.lookup.falloffs import falloff_at
 from radtex_addon.forms.layered.samples import Capture, OwnRays
-from tests.layered.test_layered import CELLS, SIDE, flat_plan, flat_samples
+from tests.layered.made_up import flat_plan, light_samples, white_surface
+from tests.layered.test_layered import CELLS, SIDE, flat_samples
 from tests.layered.test_ways import stripes_below
 
 
 def _dependence(strength: float) -> Floats | None:
     """Of a flat square whose noisy light gets brighter towards viewers in +X."""
-    plan, rng = flat_plan(16), np.random.default_rng(6)
+    plan, rng = flat_plan(SIDE, 16), np.random.default_rng(6)
     square = Aim(spread_shifts(SIDE * SIDE, 3)).square(16)
     viewer = square_to_direction(square)
     bright = (1 + strength * viewer[..., :1]) * (1 + 0.5 * rng.normal(size=(*square.shape[:2], 3)))
-    black = np.zeros(bright.shape, dtype=np.float16)
-    colour, seen = np.ones((len(plan.texel), 3), np.float32), np.ones(square.shape[:2], dtype=bool)
-    light = LightSamples(
-        plan,
-        square,
-        seen=seen,
-        diffuse=bright.astype(np.float16),
-        mirrored=black,
-        through=black,
-        colour=colour,
-    )
-    facing = viewer[..., 2].astype(np.float32)
-    up = np.tile(np.array([0, 0, 1], np.float32), (len(plan.texel), 1))
-    surface = Surface(
-        BucketGrid.of(plan, 1),
-        normal=up,
-        diffuse=colour,
-        falloff=np.ones((1, 16, 3), np.float32),
-        tint=colour,
-        width=np.ones(len(plan.texel), np.float32),
-        material=np.zeros(len(plan.texel), np.int32),
-        materials=(),
-        around=stripes_below(),
-        free=np.ones((1, len(plan.texel), CELLS**2), np.float32),
-    )
-    return view_dependence(light, facing > 0, surface, CELLS)
+    surface = white_surface(plan, stripes_below(), np.ones((1, len(plan.texel), CELLS**2), np.float32))
+    return view_dependence(light_samples(plan, square, diffuse=bright), viewer[..., 2] > 0, surface, CELLS)
 
 
-def test_light_that_changes_with_the_viewer_is_told_by_mirror_direction() -> None:
+def test_light_that_changes_with_the_viewer_is_told_by_mirror_direction_and_noise_is_not() -> None:
+    assert _dependence(0.0) is None
     found = _dependence(0.4)
     assert found is not None
     axis = cell_directions(CELLS)
@@ -71,12 +47,8 @@ def test_light_that_changes_with_the_viewer_is_told_by_mirror_direction() -> Non
     assert np.abs(told - slope[:, None] * towards).max() < 0.06
 
 
-def test_noise_alone_is_no_dependence_on_the_viewer() -> None:
-    assert _dependence(0.0) is None
-
-
 def test_a_tint_is_over_the_mean_of_its_own_material_up_to_the_border() -> None:
-    plan = flat_plan(1)
+    plan = flat_plan(SIDE, 1)
     dark, bright = np.array([0.1, 0.1, 0.1]), np.array([0.9, 0.6, 0.3])
     column = np.arange(SIDE * SIDE) % SIDE
     material = (column >= SIDE // 2).astype(np.int32)
@@ -94,19 +66,14 @@ def test_a_tint_is_over_the_mean_of_its_own_material_up_to_the_border() -> None:
 
 
 def test_each_material_has_a_falloff_of_its_own() -> None:
-    plan = flat_plan(16)
+    plan = flat_plan(SIDE, 16)
     square = Aim(spread_shifts(SIDE * SIDE, 3)).square(16)
     facing = square_to_direction(square)[..., 2].astype(np.float32)
     material = (np.arange(len(plan.texel)) % 3).astype(np.int32)
     cloth, metal = (material == 1)[:, None], (material == 2)[:, None]
     bright = np.where(cloth, 2 - facing, facing)[..., None].repeat(3, axis=2).astype(np.float16)
     bright[metal[:, 0]] *= np.float16(1e-3)  # as good as none
-    black, seen = np.zeros_like(bright), np.ones(facing.shape, dtype=bool)
-    mirrored = np.where(metal[..., None], np.float16(1), black)
-    colour = np.ones((len(plan.texel), 3), np.float32)
-    light = LightSamples(
-        plan, square, seen=seen, diffuse=bright, mirrored=mirrored, through=black, colour=colour
-    )
+    light = light_samples(plan, square, diffuse=bright, mirrored=metal[..., None] + 0 * bright)
     falloff, diffuse = fit_falloffs(light, facing, material)
     cosine = np.array([0.3, 0.6], np.float32)
     told = [falloff_at(falloff, np.full(2, number, np.int32), cosine)[:, 0] for number in range(3)]
@@ -119,7 +86,7 @@ def test_each_material_has_a_falloff_of_its_own() -> None:
 @pytest.mark.parametrize("tilt", [0, 25])
 def test_what_rays_meet_is_told_in_the_directions_that_they_went(tilt: float) -> None:
     """A wall stands on one side, red below and green above, whatever normal map the floor before it has."""
-    plan, rays = flat_plan(16), flat_samples(24)
+    plan, rays = flat_plan(SIDE, 16), flat_samples(24)
     axis = mirrored(plan, rays.square)
     hit = axis[..., 0] < 0
     met = np.full(np.count_nonzero(hit), -1, np.int32)
@@ -127,11 +94,8 @@ def test_what_rays_meet_is_told_in_the_directions_that_they_went(tilt: float) ->
     light = np.stack([~above, above, 0 * above], axis=1).astype(np.float32)
     own = OwnRays(rays, hit, met, np.zeros((len(met), 3), np.float32), light)
     square = Aim(spread_shifts(SIDE * SIDE, 3)).square(16)
-    black, one = np.zeros((*square.shape[:2], 3), np.float16), np.ones((SIDE, SIDE, 3), np.float32)
-    samples = LightSamples(
-        plan, square, seen=np.ones(square.shape[:2], dtype=bool), diffuse=black, mirrored=black,
-        through=black, colour=one.reshape(-1, 3),
-    )  # fmt: skip
+    samples, one = light_samples(plan, square), np.ones((SIDE, SIDE, 3), np.float32)
+    black = samples.diffuse
     alone = EndSamples(plan, square, 1 + black, mirrored(plan, square), black, black)
     angle = np.radians(tilt)
     normal = one * np.array([np.sin(angle), 0, np.cos(angle)], np.float32)

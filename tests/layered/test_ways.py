@@ -12,7 +12,6 @@ import pytest
 from radtex_addon.bake.plan import CapturePlan
 from radtex_addon.bake.pooling import SHARE, Neighbours
 from radtex_addon.core.arrays import Floats
-from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.hemisphere import cell_centres, square_to_direction
 from radtex_addon.forms.layered.capture.exits import in_texels_frames
 from radtex_addon.forms.layered.capture.panoramas import panorama_directions
@@ -27,6 +26,7 @@ from radtex_addon.forms.layered.lookup.ways import (
     square_taps,
 )
 from radtex_addon.forms.layered.samples import ExitSamples
+from tests.layered.made_up import flat_plan
 
 SIDE, CELLS, TIMES = 10, 4, 3
 EYE = np.array([0.0, 0.0, 3.0])
@@ -34,13 +34,8 @@ HEIGHT = -1.0
 AXES = np.array([[0, 1, 0], [-1, 0, 0], [0, 0, 1]], dtype=np.float32)  # of the sheet: T, Bt, N
 
 
-def flat_plan() -> CapturePlan:
-    """Texels of a unit square that faces +Z, its tangent along +Y."""
-    step = (np.arange(SIDE) + 0.5) / SIDE
-    x, y = np.meshgrid(step, step)
-    place = np.stack([x, y, np.zeros_like(x)], axis=-1).astype(np.float32)
-    along, across, up = (np.tile(axis, (SIDE, SIDE, 1)).astype(np.float32) for axis in AXES)
-    return CapturePlan(AtlasLayout(SIDE, SIDE, CELLS), np.arange(SIDE * SIDE), place, along, across, up, up)
+def sheet() -> CapturePlan:
+    return flat_plan(SIDE, CELLS, AXES)
 
 
 def straight_exits(plan: CapturePlan, astray: float) -> ExitSamples:
@@ -91,7 +86,7 @@ def test_a_plane_seen_from_above_shows_its_own_points() -> None:
 
 
 def test_paths_that_go_astray_do_not_lead_the_way() -> None:
-    plan = flat_plan()
+    plan = sheet()
     straight, ways = (fit_ways(straight_exits(plan, share), Neighbours(plan)) for share in (0.0, 0.2))
     np.testing.assert_allclose(straight[3], 0.8, rtol=1e-4)
     length = np.linalg.norm(ways[:3], axis=0)
@@ -101,7 +96,7 @@ def test_paths_that_go_astray_do_not_lead_the_way() -> None:
 
 
 def test_a_line_is_told_from_its_texel_in_its_frame() -> None:
-    plan = flat_plan()
+    plan = sheet()
     count = len(plan.texel)
     direction = np.tile(np.array([0, 0, -1], np.float32), (1, count, 1, 1))
     point = plan.points[None, :, None] + np.array([0.3, 0.0, -2.0], np.float32)
@@ -111,7 +106,7 @@ def test_a_line_is_told_from_its_texel_in_its_frame() -> None:
 
 
 def test_a_clear_sheet_shows_the_floor_where_it_is() -> None:
-    plan = flat_plan()
+    plan = sheet()
     ways = fit_ways(straight_exits(plan, 0.0), Neighbours(plan))
     through = Through(
         plan.placed(np.moveaxis(ways, 0, -1).reshape(-1, CELLS, CELLS, CHANNELS)),
@@ -157,7 +152,7 @@ def test_ways_that_disagree_are_blurred() -> None:
 
 
 def test_how_much_gets_through_is_even_where_ways_go_alike() -> None:
-    plan = flat_plan()
+    plan = sheet()
     exits = straight_exits(plan, 0.0)
     down = np.broadcast_to(np.array([0, 0, -1], np.float32), exits.direction.shape)
     weight = exits.weight * np.random.default_rng(3).uniform(0.5, 1.5, exits.weight.shape)
@@ -170,7 +165,7 @@ def test_how_much_gets_through_is_even_where_ways_go_alike() -> None:
 
 
 def test_cells_whose_ways_part_keep_their_own_weights() -> None:
-    plan = flat_plan()
+    plan = sheet()
     exits = straight_exits(plan, 0.0)
     left = cell_centres(CELLS).reshape(-1, 2)[:, 0] < 0
     direction = np.where(left[:, None], np.array([0, 0, 1], np.float32), exits.direction)
