@@ -97,10 +97,7 @@ def case_of(name: str) -> Case:
     for layer, image in images.items():
         textures[layer], stored[layer] = _stored(layer, image, sidecar, ranged)
         images[layer] = _decoded(layer, textures[layer], stored[layer], image.shape)
-    at = made_up_fragments(atlas, COUNT)
-    tangent = normalised(np.cross(at.normal, [0.1, 0.2, 0.97])).astype(np.float32)
-    bitangent = np.cross(at.normal, tangent).astype(np.float32)
-    at = replace(at, tangent=tangent, bitangent=bitangent)
+    at = made_up_fragments(atlas, COUNT, framed=True)
     return Case(atlas_of(images, sidecar), sidecar, textures, stored, at)
 
 
@@ -124,15 +121,9 @@ def everything(atlas: LayeredAtlas) -> LayeredAtlas:
     along = (np.arange(coarse) + 0.5) / coarse
     uv = np.stack(np.meshgrid(along, along), axis=-1).reshape(-1, 2)
     rest = _buckets(rng, uv, THROUGH, 3) * 0.4 - 0.1
-    lamps = tuple(
-        Lamp(place.astype(np.float32), light.astype(np.float32), float(size))
-        for place, light, size in zip(
-            3 * normalised(rng.normal(size=(7, 3))),
-            rng.uniform(0, 1, (7, 3)),
-            rng.uniform(1e-3, 0.02, 7),
-            strict=True,
-        )
-    )
+    place, light = (3 * normalised(rng.normal(size=(7, 3))), rng.uniform(0, 1, (7, 3)))
+    lit = zip(place.astype(np.float32), light.astype(np.float32), rng.uniform(1e-3, 0.02, 7), strict=True)
+    lamps = tuple(Lamp(place, light, float(size)) for place, light, size in lit)
     return replace(
         atlas,
         colour=atlas.colour * alpha,

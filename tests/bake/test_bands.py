@@ -86,35 +86,19 @@ def test_bands_are_the_atlas_that_is_filled_whole(
     np.testing.assert_array_equal(found, expected)
 
 
-def test_little_is_not_kept(store: PieceStore) -> None:
-    plan = some_plan()
-    cells, _ = some_cells(plan, store)
-    before = store.names()
-    finished(find_bands(plan, cells, store, HiddenCells.of(some_hidden(plan))))
-    assert store.names() == before
-
-
-def test_cells_are_read_wherever_their_tiles_lie(store: PieceStore) -> None:
+def test_what_was_kept_is_taken_up_again_wherever_its_tiles_lie(store: PieceStore) -> None:
     plan = some_plan()
     cells, whole = some_cells(plan, store, heights=2)
-    for index in ([0], [len(plan.texel) - 1], [0, 1, 90, 91, 150, len(plan.texel) - 1], range(len(whole))):
-        np.testing.assert_array_equal(cells.take(np.array(index)), whole[list(index)])
-
-
-def test_what_was_kept_is_taken_up_again(store: PieceStore) -> None:
-    plan = some_plan()
-    _, whole = some_cells(plan, store)
+    before = store.names()
+    finished(find_bands(plan, cells, store, HiddenCells.of(some_hidden(plan))))
+    assert store.names() == before, "little is not kept"
     again = Cells(plan, store, 4)
     found = list(again.restore())
     assert again.missing(1) is None
     assert again.texels == len(plan.texel) == sum(len(values) for _, values in found)
-    np.testing.assert_array_equal(again.take(np.arange(len(whole))), whole)
-
-
-def test_tiles_of_other_channels_are_not_taken_up(store: PieceStore) -> None:
-    plan = some_plan()
-    some_cells(plan, store)
-    assert list(Cells(plan, store, 7).restore()) == []
+    for index in ([0], [len(plan.texel) - 1], [0, 1, 90, 91, 150, len(plan.texel) - 1], range(len(whole))):
+        np.testing.assert_array_equal(again.take(np.array(index)), whole[list(index)])
+    assert list(Cells(plan, store, 7).restore()) == []  # tiles of other channels
 
 
 def test_hidden_cells_are_a_bit_each() -> None:

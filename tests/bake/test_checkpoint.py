@@ -1,12 +1,13 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Checkpoints: what was kept comes back bit by bit, or not at all."""
+"""Checkpoints: what was kept comes back bit by bit, or not at all; finished files reach their places."""
 
 from __future__ import annotations
 
 import json
 import logging
 import os
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -14,8 +15,9 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from radtex_addon.bake.checkpoint import Checkpoint
-from radtex_addon.bake.key import KEY, LOCK, check_free, is_unfinished, replaced_by
+from radtex_addon.bake.announce import announce, publish_earlier
+from radtex_addon.bake.checkpoint import Checkpoint, remove_left
+from radtex_addon.bake.key import KEY, LOCK, Key, check_free, is_unfinished, read_key, replaced_by, write_key
 from radtex_addon.bake.piece_format import PIECE_FORMAT
 from radtex_addon.bake.plan import CapturePlan, Tile, plan_capture
 from radtex_addon.bake.progress import Progress, Stage, finished
@@ -50,7 +52,10 @@ def some() -> dict[str, npt.NDArray[Any]]:
 
 
 def test_a_piece_comes_back_bit_by_bit(folder: Path) -> None:
-    begun(folder).keep("first", some())
+    checkpoint = begun(folder)
+    assert not folder.parent.exists()  # before the first piece
+    checkpoint.keep("first", some())
+    assert is_unfinished(folder)
     resumed = begun(folder, resume=True)
     assert resumed.names() == ["first"]
     found = resumed.found("first")
@@ -62,21 +67,15 @@ def test_a_piece_comes_back_bit_by_bit(folder: Path) -> None:
     assert resumed.found("second") is None
 
 
-def test_nothing_is_there_before_the_first_piece_or_after_the_end(folder: Path) -> None:
-    checkpoint = begun(folder)
-    assert not folder.parent.exists()
-    checkpoint.keep("first", some())
-    assert is_unfinished(folder)
-    checkpoint.remove()
-    assert list(folder.parent.iterdir()) == []
-
-
-def test_what_is_not_ours_stays(folder: Path) -> None:
+@pytest.mark.parametrize("theirs", [[], ["notes.txt"]])
+def test_nothing_is_there_after_the_end_but_what_is_not_ours(folder: Path, theirs: list[str]) -> None:
     checkpoint = begun(folder)
     checkpoint.keep("first", some())
-    (folder / "notes.txt").write_text("mine")
+    for name in theirs:
+        (folder / name).write_text("mine")
     checkpoint.remove()
-    assert [path.name for path in folder.iterdir()] == ["notes.txt"]
+    assert [path.name for path in folder.parent.rglob("*") if path.is_file()] == theirs
+    assert folder.exists() == bool(theirs)
     assert not is_unfinished(folder)
 
 
@@ -144,16 +143,8 @@ def test_a_key_without_sense_is_an_error_that_says_how_to_go_on(folder: Path) ->
     begun(folder).keep("first", some())
     assert replaced_by(folder) == {"Card.radiance.exr"}
     whole = (folder / KEY).read_text()
-    broken = json.loads(whole)
-    broken["processes"] = ["a"]
-    for text in (
-        "",
-        whole[:-9],
-        "[]",
-        "{}",
-        json.dumps(broken),
-        whole.replace('"version": 1', '"version": 2'),
-    ):
+    broken = json.dumps(json.loads(whole) | {"processes": ["a"]})
+    for text in ("", whole[:-9], "[]", "{}", broken, whole.replace('"version": 1', '"version": 2')):
         (folder / KEY).write_text(text)
         with pytest.raises(InputError, match=r"damaged.*begin anew"):
             begun(folder, resume=True)
@@ -217,18 +208,9 @@ def test_what_killed_processes_were_writing_goes_with_the_end(folder: Path) -> N
     assert list(folder.parent.iterdir()) == []
 
 
-def test_a_folder_that_goes_away_ends_the_bake(folder: Path) -> None:
-    checkpoint = begun(folder)
-    checkpoint.keep("first", some())
-    for path in folder.iterdir():
-        path.unlink()
-    folder.rmdir()
-    with pytest.raises(BakeError, match="has gone"):
-        checkpoint.keep("second", some())
-    assert not folder.exists()
-
-
-def test_a_refusing_system_is_one_line(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_refusing_system_and_a_folder_that_goes_away_are_one_line(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     checkpoint = begun(folder)
     checkpoint.keep("first", some())
 
@@ -240,8 +222,11 @@ def test_a_refusing_system_is_one_line(folder: Path, monkeypatch: pytest.MonkeyP
         checkpoint.keep("second", some())
     monkeypatch.undo()
     assert begun(folder, resume=True).names() == ["first"]
+    shutil.rmtree(folder)
+    with pytest.raises(BakeError, match="has gone"):
+        checkpoint.keep("second", some())
+    assert not folder.exists()
     checkpoint.close()
-    assert sorted(path.name for path in folder.iterdir()) == ["first.piece", KEY]
 
 
 # the session
@@ -294,3 +279,108 @@ def test_a_damaged_tile_alone_is_captured_again(folder: Path, caplog: pytest.Log
     _, first, rows = spoilt.stem.split("-")
     assert again.rows == list(range(int(first), int(first) + int(rows)))
     assert len(caplog.messages) == 1
+
+
+WHOLE = {name: f"new {name}" for name in ("Card.radiance.exr", "Card.radiance.json")}
+
+
+def written(checkpoint: Checkpoint, folder: Path) -> None:
+    """Write an atlas and its sidecar where the checkpoint wants them."""
+    for name in WHOLE:
+        checkpoint.place(folder.parent / name).write_text(f"new {name}")
+
+
+def both(folder: Path, resume: bool = False, **facts: str) -> Checkpoint:
+    checkpoint = Checkpoint(folder, resume, [folder.parent / name for name in WHOLE])
+    checkpoint.set_facts({**FACTS, **facts})
+    return checkpoint
+
+
+def outside(folder: Path) -> dict[str, str]:
+    return {path.name: path.read_text() for path in folder.parent.iterdir() if path.is_file()}
+
+
+def test_files_take_their_places_once_all_are_written_and_a_strangers_none(folder: Path) -> None:
+    with both(folder) as checkpoint:
+        written(checkpoint, folder)
+        checkpoint.place(folder.parent / "letter.txt").write_text("of another")
+        assert outside(folder) == {}
+        assert checkpoint.made is None
+        checkpoint.publish({"paths": 3})
+        assert outside(folder) == WHOLE
+        assert checkpoint.made == {"paths": 3}
+        checkpoint.remove()
+    assert outside(folder) == WHOLE
+
+
+@pytest.mark.parametrize("fails_at", sorted(WHOLE))
+def test_whoever_stops_amid_the_moves_is_gone_on_with_by_the_rest(
+    folder: Path, fails_at: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    move = Path.replace
+
+    def stopped(path: Path, place: Path) -> Path:
+        if Path(place).name == fails_at:
+            raise OSError(5, "Input/output error")
+        return move(path, place)
+
+    with both(folder) as checkpoint:
+        written(checkpoint, folder)
+        monkeypatch.setattr(Path, "replace", stopped)
+        with pytest.raises(BakeError, match=rf"out/{fails_at} could not be written: Input/output error"):
+            checkpoint.publish({"paths": 3})
+    monkeypatch.undo()
+    assert len(outside(folder)) == sorted(WHOLE).index(fails_at), "the sidecar comes last"
+    with both(folder, resume=True) as resumed:
+        assert resumed.made == {"paths": 3}
+        resumed.publish(resumed.made)
+        assert outside(folder) == WHOLE
+        resumed.remove()
+    assert not folder.exists()
+
+
+def test_without_the_last_file_none_takes_its_place(folder: Path) -> None:
+    with both(folder) as checkpoint:
+        written(checkpoint, folder)
+    assert outside(folder) == {}
+    assert [path.name for path in folder.iterdir()] == [KEY], "what half of a bake wrote is of no use"
+    with both(folder, resume=True) as resumed:
+        assert resumed.made is None
+
+
+def test_who_begins_anew_finds_the_earlier_files_together(folder: Path) -> None:
+    """An accumulation folds into them: half of the old and half of the new would be no atlas."""
+    with both(folder) as checkpoint:
+        written(checkpoint, folder)
+        write_key(folder, Key(FACTS, sorted(WHOLE), [], {"paths": 3}))  # all is written, nothing is moved
+        checkpoint._made = {}  # and there it dies
+    publish_earlier(folder)
+    assert outside(folder) == WHOLE
+    assert read_key(folder).made == {"paths": 3}
+
+
+def test_a_bake_that_was_killed_amid_its_end_is_over(folder: Path) -> None:
+    begun(folder).keep("first", some())
+    (folder / KEY).unlink()  # goes first
+    assert not is_unfinished(folder)
+    remove_left(folder)
+    assert not folder.exists()
+    begun(folder).keep("first", some())
+    remove_left(folder)
+    assert is_unfinished(folder), "it is not over"
+
+
+def test_a_bake_that_was_announced_starts_with_nothing_and_may_replace_files(folder: Path) -> None:
+    announce(folder, [folder.parent / "Card.radiance.exr"])
+    assert is_unfinished(folder)
+    assert replaced_by(folder) == {"Card.radiance.exr"}
+    resumed = begun(folder, resume=True, samples="64")
+    assert resumed.names() == []
+    assert resumed.found("first") is None
+    resumed.keep("first", some())
+    resumed.close()
+    assert begun(folder, resume=True, samples="64").names() == ["first"]
+    announce(folder, [])
+    refused = begun(folder, resume=True)
+    refused.drop_own()
+    assert not folder.exists()

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""An estimate follows what was measured, above all of the same object."""
+"""Costs before a bake, in figures that can be counted by hand, and times that follow what was measured."""
 
 from __future__ import annotations
 
@@ -17,7 +17,9 @@ from radtex_addon.bake.estimate import (
     typical_seconds,
 )
 from radtex_addon.bake.progress import Stage
+from radtex_addon.bake.rays import LayeredRays, panorama_paths, side_in
 from radtex_addon.bake.spec import BakeSpec, Kind, Layout
+from radtex_addon.forms import cost_of
 
 LAYERED = BakeSpec(texels=128, layout=Layout.LAYERED, samples=16)
 PLAIN = BakeSpec(texels=128, samples=16, denoise=True)
@@ -85,3 +87,28 @@ def test_an_object_with_a_uv_layer_of_its_own_says_nothing_of_unwraps() -> None:
     quick = Measurement("there", "Other", work(PLAIN), {str(Stage.UNWRAP): 0.01})
     assert estimate(work(PLAIN), "here", "Head", [quick]).seconds["unwrap"] == pytest.approx(3.82, abs=0.01)
     assert estimate(work(PLAIN), "there", "Other", [quick]).seconds["unwrap"] < 0.02
+
+
+def test_buckets_cost_four_half_floats_a_cell() -> None:
+    cost = cost_of(BakeSpec(texels=64, bucket=8, samples=4))
+    assert cost.side == 512
+    assert cost.disk == cost.gpu == 512 * 512 * 4 * 2
+    assert cost.paths == 512 * 512 * 4
+    assert cost_of(BakeSpec(texels=64, bucket=8, half=False)).disk == 2 * cost.disk
+
+
+def test_finer_texels_and_hidden_ones_are_among_the_layered_layouts_paths() -> None:
+    spec = BakeSpec(texels=32, layout=Layout.LAYERED, samples=16)
+    of_texel = 16**2 + 2 * 10**2 + 1 + 16 + 2 * 16
+    assert cost_of(spec).paths == 32**2 * of_texel + panorama_paths(2)
+    for samples in (4, 16, 64, 256, 1024):
+        assert 0.3 < LayeredRays.of(samples).of_texel / (64 * samples) < 1
+    assert LayeredRays.of(16) == LayeredRays()
+    assert min(LayeredRays.of(1).light, LayeredRays.of(1).ends) >= 4  # which still tell directions apart
+
+
+def test_a_map_of_wider_texels_has_whole_ones_alone() -> None:
+    """The buckets of light that comes through lay in one more column than those of the rest."""
+    assert [side_in(texels, 2) for texels in (1, 63, 64, 65)] == [1, 31, 32, 32]
+    assert [side_in(texels, 0.25) for texels in (1, 63)] == [4, 252]
+    assert side_in(1023, 1023 / 512) == 512

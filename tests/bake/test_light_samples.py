@@ -57,12 +57,9 @@ def test_the_cell_of_a_cells_middle_is_its_own() -> None:
     assert cells_of(np.array([[[1.0, 1.0], [-1.0, 1.0]]]), 6).tolist() == [[35, 30]]
 
 
-def test_shifts_do_not_depend_on_how_many_follow() -> None:
-    assert (spread_shifts(10, 4) == spread_shifts(100, 4)[:10]).all()
-
-
 def test_shifts_fill_the_cell_evenly() -> None:
     shifts = spread_shifts(1000, 7)
+    assert (spread_shifts(10, 7) == shifts[:10]).all()  # however many follow
     assert ((shifts >= 0) & (shifts < 1)).all()
     quarters = np.floor(shifts * 2) @ [1, 2]
     np.testing.assert_allclose(np.bincount(quarters.astype(int)), 250, atol=10)

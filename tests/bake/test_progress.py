@@ -27,15 +27,13 @@ def doubled(step: Progress) -> Progress:
 
 
 def test_each_step_is_passed_on_changed_and_the_value_as_it_is() -> None:
-    steps = relayed(three([]), doubled)
+    ended: list[str] = []
+    steps = relayed(three(ended), doubled)
     assert [next(steps) for _ in range(3)] == [Progress(Stage.FIT, done, 4) for done in (0, 2, 4)]
     with pytest.raises(StopIteration) as stop:
         next(steps)
     assert stop.value.value == "value"
-
-
-def test_the_inner_steps_are_closed_with_the_outer() -> None:
-    ended: list[str] = []
+    assert ended.pop() == "ended"
     steps = relayed(three(ended), doubled)
     next(steps)
     assert ended == []

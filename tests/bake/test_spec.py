@@ -4,12 +4,15 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import FrozenInstanceError, replace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from radtex_addon.bake import memory_limits
+from radtex_addon.bake.layers import LIGHT, Layer, captured, split_layers
 from radtex_addon.bake.memory_limits import check_memory
 from radtex_addon.bake.spec import (
     BakeSpec,
@@ -18,13 +21,17 @@ from radtex_addon.bake.spec import (
     Kind,
     Layout,
     Unwrap,
+    View,
     parse_capture,
     parse_compression,
     parse_kind,
     parse_layout,
     parse_unwrap,
 )
+from radtex_addon.bake.texel_density import MOST_TEXELS, parse_density, side_for
+from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.errors import InputError
+from radtex_addon.forms import cost_of
 
 
 def refusal(**changes: Any) -> str:
@@ -150,3 +157,94 @@ def test_an_unknown_choice_is_refused_with_the_choices() -> None:
     ):
         with pytest.raises(InputError, match=f"there is no {word} 'x': choose from "):
             parse("x")
+
+
+@pytest.mark.parametrize(
+    ("text", "per_metre"),
+    [("64", 64), ("64/m", 64), (" 64 / m ", 64), ("64/cm", 6400), ("1.5/mm", 1500), ("1e2/m", 100)],
+)
+def test_a_density_is_texels_per_metre_whatever_its_unit(text: str, per_metre: float) -> None:
+    assert parse_density(text) == per_metre
+
+
+@pytest.mark.parametrize(
+    "text", ["64/in", "64/", "64/m/m", "x/m", "", "0", "-3/m", "nan", "inf/m", "1e400", "1e-300/m", "1e300/m"]
+)
+def test_what_is_no_density_is_refused_by_its_name(text: str) -> None:
+    with pytest.raises(InputError, match=r"^--density .*such as 64/m") as raised:
+        parse_density(text, "--density")
+    assert text in str(raised.value)
+
+
+@pytest.mark.parametrize("density", [0.0, -1.0, math.nan, math.inf, 5e-324, 1e-300, 1e-10, 1e13, 1e300])
+def test_a_spec_has_a_density_above_0_that_does_not_overflow(density: float) -> None:
+    bounds = r"from 1e-09 to 1e\+12 texels per metre" if 0 < density < math.inf else "above 0"
+    with pytest.raises(InputError, match=bounds):
+        BakeSpec(density=density)
+
+
+@pytest.mark.parametrize("distance", [5e-324, 1e-300, 1e-38, 1e20, 1e38, 1e300, math.inf])
+@pytest.mark.parametrize(
+    "given", [{"kind": Kind.AO, "ao_distance": 0.0}, {"source": "Other", "extrusion": 0.0}]
+)
+def test_a_distance_whose_square_is_no_float_is_refused(given: dict[str, Any], distance: float) -> None:
+    beyond: dict[str, Any] = {name: distance if value == 0 else value for name, value in given.items()}
+    with pytest.raises(InputError, match=r"from 1e-18 to 1e\+18, in scene units"):
+        BakeSpec(**beyond)
+
+
+def test_the_most_texels_are_what_an_image_can_hold() -> None:
+    assert side_for(1.0, 64, 0.25) == 128  # a square metre that fills a quarter has twice its density
+    assert side_for(1e300, 1e300, 1e-9) > MOST_TEXELS
+    assert BakeSpec(density=1, bucket=8).most_texels == MOST_TEXELS
+    assert BakeSpec(density=1, bucket=64).most_texels == 65536 // 64
+    around = BakeSpec(kind=Kind.TRANSFER, view=View.AROUND, density=1, bucket=256).most_texels
+    assert around * 3 * 256 <= 65536 < (around + 4) * 3 * 256
+
+
+def test_base_and_rest_are_made_of_diffuse_light() -> None:
+    assert captured((Layer.REST,)) == (Layer.DIFFUSE,)
+    assert captured((Layer.NORMAL, Layer.GLOSSY, Layer.GLOSSY)) == (Layer.GLOSSY, Layer.NORMAL)
+    assert captured(()) == ()
+
+
+def test_base_and_rest_add_up_to_the_whole() -> None:
+    layout = AtlasLayout(3, 2, 4)
+    image = np.random.default_rng(1).uniform(0, 5, (8, 12, 10)).astype(np.float32)
+    layers = split_layers(image, layout, (Layer.REST, Layer.GLOSSY, Layer.BASE))
+    assert list(layers) == ["rest", "glossy", "base"]
+    assert layers["base"].shape == (2, 3, 3)
+    assert np.array_equal(layers["base"], layers["base"].astype(np.float16))
+    spread = layers["base"].repeat(4, axis=0).repeat(4, axis=1)
+    np.testing.assert_allclose(spread + layers["rest"], image[..., :3], atol=1e-6)
+    assert np.array_equal(layers["glossy"], image[..., 7:10])
+
+
+def test_a_base_is_the_mean_over_the_hemisphere_and_not_over_cells() -> None:
+    layout = AtlasLayout(1, 1, 8)
+    image = np.zeros((8, 8, 7), dtype=np.float32)
+    image[..., 4:] = 3.0
+    assert split_layers(image, layout, (Layer.BASE,))["base"] == pytest.approx(3.0)
+    image[0, 0, 4:] = 0.0  # a corner's cell, which is smaller on the sphere than one of the middle
+    corner = 3.0 - split_layers(image, layout, (Layer.BASE,))["base"].max()
+    image[0, 0, 4:], image[3, 3, 4:] = 3.0, 0.0
+    middle = 3.0 - split_layers(image, layout, (Layer.BASE,))["base"].max()
+    assert 0 < corner < middle
+
+
+def test_a_bake_with_layers_costs_more() -> None:
+    plain, layered = BakeSpec(texels=8), BakeSpec(texels=8, layers=(Layer.BASE, Layer.GLOSSY))
+    assert layered.channels == 10
+    assert cost_of(layered).disk == cost_of(plain).disk + 2 * 3 * (64 * 64 + 8 * 8)
+
+
+def test_layers_may_be_named_by_words_and_doubled_and_are_refused_where_there_are_none() -> None:
+    spec = BakeSpec(layers=("glossy", "base", "glossy"))  # type: ignore[arg-type]  # as text
+    assert spec.layers == (Layer.GLOSSY, Layer.BASE)
+    with pytest.raises(InputError, match="there is no layer 'shine': choose from diffuse, glossy"):
+        BakeSpec(layers=("shine",))  # type: ignore[arg-type]  # as text
+    for kind in (Kind.INCIDENT, Kind.REFLECTION):
+        with pytest.raises(InputError, match=f"{kind} has no layers"):
+            BakeSpec(kind=kind, layers=LIGHT)
+    with pytest.raises(InputError, match="the layered layout has no layers"):
+        BakeSpec(layout=Layout.LAYERED, layers=LIGHT)

@@ -52,9 +52,6 @@ def test_a_rectangle_is_filled_to_the_last_cell() -> None:
     assert spots is not None
     assert (laid_out([np.ones((3, 5), dtype=bool)] * 4, spots, 11, 7) >= 0).sum() == 60
     assert place([np.ones((3, 5), dtype=bool)] * 5, 11, 7, 1) is None
-
-
-def test_what_fits_only_turned_is_turned() -> None:
     assert place([np.ones((8, 2), dtype=bool)], 8, 2, 2) == [Spot(0, 0, turned=True)]
 
 

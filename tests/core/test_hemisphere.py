@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The projection and the square map: round trips, known points, rotated frames, edges."""
+"""The projection and the square map: round trips, known points, edges, and the solid angles of cells."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from hypothesis.extra import numpy as hnp
 from radtex_addon.core import hemisphere as hs
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import ShapeError
+from radtex_addon.core.solid_angle import cell_solid_angles_sr
 
 Real: TypeAlias = type[np.floating[Any]]
 
@@ -72,12 +73,6 @@ def test_centre_and_tiny_coordinates_are_numbers(dtype: Real) -> None:
             np.testing.assert_allclose(hs.square_to_direction(b), [[0, 0, 1]], atol=1e-29)
 
 
-def test_corners_of_the_square_are_the_rim() -> None:
-    corners = np.array([[1, 1], [-1, 1], [1, -1], [-1, -1]], float)
-    np.testing.assert_allclose(np.linalg.norm(hs.square_to_disc(corners), axis=1), 1, atol=1e-15)
-    np.testing.assert_allclose(hs.square_to_direction(corners)[:, 2], 0, atol=1e-15)
-
-
 def test_below_the_horizon_lands_on_the_rim_at_its_azimuth() -> None:
     azimuth = np.linspace(0, 2 * np.pi, 9)
     rim = np.stack([np.cos(azimuth), np.sin(azimuth)], axis=-1)
@@ -87,26 +82,21 @@ def test_below_the_horizon_lands_on_the_rim_at_its_azimuth() -> None:
     assert (hs.equisolid(np.array([[0, 0, -1.0]])) == 0).all()
 
 
-def test_a_nan_stays_where_it_is() -> None:
-    direction = np.array([[np.nan, 0, 1], [0, 0, 1]])
-    b = hs.direction_to_square(direction)
-    assert np.isnan(b[0]).any()
-    assert (b[1] == 0).all()
-
-
-def test_mirror_direction_is_the_papers() -> None:
+def test_known_places() -> None:
+    corners = np.array([[1, 1], [-1, 1], [1, -1], [-1, -1]], float)
+    np.testing.assert_allclose(np.linalg.norm(hs.square_to_disc(corners), axis=1), 1, atol=1e-15)
+    np.testing.assert_allclose(hs.square_to_direction(corners)[:, 2], 0, atol=1e-15)
     a = hs.square_to_disc(np.array([[0.3, -0.7]]))
     q = np.sqrt(2 - (a**2).sum())
-    expected = [[-a[0, 0] * q, -a[0, 1] * q, 1 - (a**2).sum()]]
+    expected = [[-a[0, 0] * q, -a[0, 1] * q, 1 - (a**2).sum()]]  # the paper's mirror direction
     np.testing.assert_allclose(hs.mirror_direction(hs.equisolid_inverse(a)), expected, atol=1e-15)
-
-
-def test_bleed_guard_stops_at_the_outer_cells_centres() -> None:
-    np.testing.assert_allclose(
-        hs.bleed_guard(np.array([[-1.0, 1.0], [0.5, 0.0]]), 4), [[-0.75, 0.75], [0.5, 0]]
-    )
+    guarded = hs.bleed_guard(np.array([[-1.0, 1.0], [0.5, 0.0]]), 4)  # at the outer cells' centres
+    np.testing.assert_allclose(guarded, [[-0.75, 0.75], [0.5, 0]])
     np.testing.assert_allclose(hs.cell_centres(4)[0, 0], [-0.75, -0.75])
     np.testing.assert_allclose(hs.cell_centres(4)[0, 3], [0.75, -0.75])  # columns run along T
+    b = hs.direction_to_square(np.array([[np.nan, 0, 1], [0, 0, 1]]))  # a NaN stays where it is
+    assert np.isnan(b[0]).any()
+    assert (b[1] == 0).all()
 
 
 @pytest.mark.parametrize(
@@ -129,3 +119,37 @@ def test_empty_arrays_pass_through_and_integers_become_float64() -> None:
     assert hs.direction_to_square(np.zeros((0, 3))).shape == (0, 2)
     assert hs.square_to_direction(np.zeros((5, 0, 2))).shape == (5, 0, 3)
     assert hs.equisolid(np.array([[0, 0, 1]])).dtype == np.float64
+
+
+def jacobian_sr(b: Floats) -> Floats:
+    """d(solid angle)/dB at B (..., 2), the closed form."""
+    small, big = np.moveaxis(np.sort(np.abs(b), axis=-1), -1, 0)
+    return np.asarray(2 * big * big / (big * big + small * small))
+
+
+def test_the_jacobian_is_that_of_the_maps() -> None:
+    rng = np.random.default_rng(3)
+    b = rng.uniform(-0.95, 0.95, (200, 2))
+    h = 1e-6
+    da = [(hs.square_to_disc(b + e) - hs.square_to_disc(b - e)) / (2 * h) for e in np.eye(2) * h]
+    determinant = np.abs(da[0][:, 0] * da[1][:, 1] - da[0][:, 1] * da[1][:, 0])
+    smooth = np.abs(np.abs(b[:, 0]) - np.abs(b[:, 1])) > 1e-4
+    np.testing.assert_allclose(2 * determinant[smooth], jacobian_sr(b)[smooth], rtol=1e-6)
+
+
+@pytest.mark.parametrize("n", [1, 2, 3, 4, 5, 8])
+def test_each_cell_is_the_jacobians_integral(n: int) -> None:
+    fine = 400
+    density = jacobian_sr(hs.cell_centres(n * fine)).reshape(n, fine, n, fine)
+    np.testing.assert_allclose(cell_solid_angles_sr(n), density.mean(axis=(1, 3)) * (2 / n) ** 2, rtol=1e-4)
+
+
+@pytest.mark.parametrize("n", [1, 2, 3, 7, 8, 16, 33, 128])
+def test_they_sum_to_a_hemisphere_and_share_the_squares_symmetry(n: int) -> None:
+    angles = cell_solid_angles_sr(n)
+    assert abs(angles.sum() - 2 * np.pi) < 1e-10
+    for same in (angles.T, angles[::-1], angles[:, ::-1]):
+        np.testing.assert_allclose(angles, same, atol=1e-14)
+    assert (angles > 0).all()
+    with pytest.raises(ShapeError, match="at least 1"):
+        cell_solid_angles_sr(0)

@@ -1,15 +1,20 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
+"""Islands and patches of triangles, their overlap and areas, and the sorting that finds them."""
+
 from __future__ import annotations
+
+from itertools import pairwise
 
 import numpy as np
 import pytest
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from radtex_addon.core import islands
-from radtex_addon.core.arrays import Floats
+from radtex_addon.core import edges, islands, sorted_keys
+from radtex_addon.core.arrays import Floats, Ints
 from radtex_addon.core.errors import ShapeError
+from radtex_addon.core.patches import patches
 
 LOWER, UPPER = [(0, 0), (1, 0), (1, 1)], [(0, 0), (1, 1), (0, 1)]
 
@@ -80,7 +85,7 @@ def test_neighbours_do_not_overlap(cells: int) -> None:
 
 
 @pytest.mark.parametrize("turned", [False, True])
-def test_overlap_is_a_share_of_the_covered_area(turned: bool) -> None:
+def test_overlap_is_a_share_of_the_covered_area_and_worst_where_it_is_deepest(turned: bool) -> None:
     uv = np.concatenate([square(0, 0, 0.5), square(0.25, 0, 0.5, turned)])
     overlap = islands.find_overlap(uv)
     assert overlap.fraction == pytest.approx(0.125 / 0.375, abs=2e-3)
@@ -88,14 +93,13 @@ def test_overlap_is_a_share_of_the_covered_area(turned: bool) -> None:
     assert 0.25 < u < 0.5
     assert 0 < v < 0.5
     assert overlap.depth == 2
-
-
-def test_the_worst_place_is_the_deepest() -> None:
-    uv = np.concatenate([square(0, 0, 0.5)] * 2 + [square(0.7, 0.7, 0.1)] * 4)
-    overlap = islands.find_overlap(uv)
-    assert overlap.depth == 4
+    overlap = islands.find_overlap(np.concatenate([square(0, 0, 0.5)] * 2 + [square(0.7, 0.7, 0.1)] * 4))
+    assert (overlap.depth, overlap.fraction) == (4, 1)
     assert min(overlap.worst_uv) > 0.7
-    assert overlap.fraction == 1
+    line = np.array(
+        [[(0.1, 0.1), (0.9, 0.9), (0.5, 0.5)], [(0.5, 0.5)] * 3, [(0, 0.5), (1, 0.5), (0.2, 0.5)]]
+    )
+    assert (islands.find_overlap(line).depth, islands.find_overlap(line).fraction) == (0, 0)
 
 
 def test_depth_is_that_of_every_triangle_on_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -114,7 +118,101 @@ def test_depth_is_that_of_every_triangle_on_its_own(monkeypatch: pytest.MonkeyPa
     assert np.array_equal(islands.coverage_depth(uv, 48), expected)
 
 
-def test_triangles_without_area_cover_nothing() -> None:
-    uv = np.array([[(0.1, 0.1), (0.9, 0.9), (0.5, 0.5)], [(0.5, 0.5)] * 3, [(0, 0.5), (1, 0.5), (0.2, 0.5)]])
-    assert islands.find_overlap(uv).depth == 0
-    assert islands.find_overlap(uv).fraction == 0
+CHANCE = np.random.default_rng(3)
+KINDS = {
+    "many equal": CHANCE.integers(0, 50, 5000, dtype=np.uint64),
+    "one": np.full(3000, 7, dtype=np.uint64),
+    "all 64 bits": CHANCE.integers(0, 2**64 - 1, 5000, dtype=np.uint64),
+    "none": np.zeros(0, dtype=np.uint64),
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("at_once", [10, 1000, 1 << 20])
+def test_ranks_are_those_of_numpy_however_many_are_sorted_at_once(
+    kind: str, at_once: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sorted_keys, "AT_ONCE", at_once)
+    keys = KINDS[kind]
+    assert np.array_equal(sorted_keys.ranks(keys), np.unique(keys, return_inverse=True)[1])
+    ranges = list(sorted_keys.sorted_ranges(keys))
+    assert np.array_equal(np.concatenate(ranges), np.argsort(keys, kind="stable"))
+    assert not any(set(keys[one]) & set(keys[other]) for one, other in pairwise(ranges))
+
+
+@pytest.mark.parametrize("dtype", ["f4", "f8", "i4", "i8"])
+def test_welded_rows_are_numbered_by_their_bytes(dtype: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sorted_keys, "AT_ONCE", 100)
+    rows = (np.random.default_rng(1).normal(size=(2000, 3)) * 4).round().astype(dtype)
+    order = np.unique([row.tobytes() for row in rows + rows.dtype.type(0)], return_inverse=True)[1]
+    assert np.array_equal(islands.weld(rows), order)
+
+
+def test_first_and_index_are_those_of_numpy() -> None:
+    labels = np.random.default_rng(2).integers(0, 300, (80, 3)) * 2
+    _, first, index = np.unique(labels, return_index=True, return_inverse=True)
+    found = islands.first_and_index(labels)
+    assert np.array_equal(found[0], first)
+    assert np.array_equal(found[1], index.reshape(-1))
+
+
+def test_edges_pair_each_triangle_with_the_next_one_at_the_edge(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sorted_keys, "AT_ONCE", 20)
+    vertex = np.random.default_rng(4).integers(0, 20, (200, 3))
+    at_edge: dict[tuple[int, int], list[tuple[int, int]]] = {}
+    for corner, start in enumerate(vertex.ravel().tolist()):
+        following = corner + 1 if corner % 3 < 2 else corner - 2
+        end = int(vertex.ravel()[following])
+        if start != end:
+            ends = (corner, following) if start < end else (following, corner)
+            at_edge.setdefault((min(start, end), max(start, end)), []).append(ends)
+    expected = [
+        (one[0], other[0], one[1], other[1])
+        for _, some in sorted(at_edge.items())
+        for one, other in pairwise(some)
+    ]
+    found = edges.inner_edges(vertex)
+    assert np.array_equal(np.concatenate([found.starts, found.ends], axis=1), expected)
+
+
+def test_areas_in_blocks_are_those_of_all_at_once() -> None:
+    chance = np.random.default_rng(6)
+    position, triangles = chance.normal(size=(50, 3)), chance.integers(0, 50, (300_000, 3))
+    a, b, c = position[triangles].transpose(1, 0, 2)
+    cross = np.cross(b - a, c - a)
+    expected = np.linalg.norm(cross, axis=1) / 2
+    np.testing.assert_allclose(islands.areas_on_surface(position, triangles), expected, rtol=1e-12)
+
+
+def grid(side: int) -> tuple[Ints, Floats]:
+    """A sheet of 2 side² triangles in no order, and their middles."""
+    x, y = np.meshgrid(np.arange(side), np.arange(side))
+    corner = (y * (side + 1) + x).ravel()
+    lower = np.stack([corner, corner + 1, corner + side + 1], axis=1)
+    upper = np.stack([corner + 1, corner + side + 2, corner + side + 1], axis=1)
+    triangles = np.random.default_rng(1).permutation(np.concatenate([lower, upper]))
+    place = np.stack([triangles % (side + 1), triangles // (side + 1), 0 * triangles], axis=-1).mean(axis=1)
+    return triangles, place
+
+
+@pytest.mark.parametrize("most", [40, 300, 10_000])
+def test_each_triangle_is_one_patchs_own_and_has_its_neighbours(most: int) -> None:
+    triangles, place = grid(20)
+    found = list(patches(triangles, place, most))
+    assert sorted(np.concatenate([own for own, _ in found])) == list(range(len(triangles)))
+    for own, whole in found:
+        around = np.isin(triangles, triangles[own]).any(axis=1)
+        assert np.array_equal(whole, np.flatnonzero(around))
+        assert len(whole) <= most
+    assert (len(found) == 1) == (most >= len(triangles))
+
+
+def test_a_fan_is_not_cut_to_bits() -> None:
+    count = 1000
+    rim = np.arange(count)
+    fan = np.stack([np.full(count, count), rim, (rim + 1) % count], axis=1)
+    angle = 2 * np.pi * rim / count
+    place = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
+    found = list(patches(fan, place, 320))
+    assert len(found) <= 2 * count / (320 / 16)
+    assert all(len(whole) == count for _, whole in found)

@@ -22,12 +22,6 @@ def triangles(quads: Ints) -> Ints:
 BOX = triangles(QUADS)
 
 
-def test_a_box_has_no_fault() -> None:
-    assert not overlaid(PLACE, BOX).any()
-    assert not repeated(BOX, np.zeros(12, dtype=int)).any()
-    assert turned_share(BOX) == 0
-
-
 @pytest.mark.parametrize(
     ("other", "again"),
     [
@@ -48,12 +42,11 @@ def test_what_lies_on_another_is_found_however_it_is_cut(other: Ints, again: boo
     assert not repeated(both, np.arange(24)).any()
 
 
-def test_a_part_that_is_there_twice_is_told_apart() -> None:
+def test_a_part_that_is_there_twice_is_told_apart_and_walls_at_an_edge_are_none() -> None:
+    assert not overlaid(PLACE, BOX).any()
+    assert not repeated(BOX, np.zeros(12, dtype=int)).any()
     both = np.concatenate([BOX, BOX[:3]])
     np.testing.assert_array_equal(np.flatnonzero(overlaid(PLACE, both)), [0, 1, 2, 12, 13, 14])
-
-
-def test_walls_at_an_edge_do_not_lie_on_one_another() -> None:
     fan = [(np.cos(turn), np.sin(turn), 0.5) for turn in np.radians([0, 0.1, 90, 200, 270])]
     place = np.array([(0, 0, 0), (0, 0, 1), *fan])
     assert not overlaid(place, np.array([(0, 1, 2 + number) for number in range(5)])).any()

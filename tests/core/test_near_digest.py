@@ -19,7 +19,7 @@ def digest(values: npt.NDArray[np.float32], exact: str = "", of: str = "cube") -
     return found.digest(exact or f"sha256:{hash(values.tobytes()) % 16**8:064x}")
 
 
-@pytest.mark.parametrize("count", [1, 7, 192, 500_000])
+@pytest.mark.parametrize("count", [1, 7, 192, 100_000])
 @pytest.mark.parametrize("scale", [1e-3, 1, 1e4])
 def test_the_last_bits_make_no_difference(count: int, scale: float) -> None:
     random = np.random.default_rng(count)

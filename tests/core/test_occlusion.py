@@ -37,6 +37,8 @@ def test_open_and_closed(n: int) -> None:
     bent, ambient = occlusion(np.stack([np.ones((n, n)), np.zeros((n, n))]))
     np.testing.assert_allclose(ambient, [1, 0], atol=1e-12)
     np.testing.assert_allclose(bent, [[0, 0, 1]] * 2, atol=1e-12)
+    with pytest.raises(ShapeError, match=r"visibility: .*\(\.\.\., n, n\)"):
+        occlusion(np.ones((n, n + 1)))
 
 
 @pytest.mark.parametrize("degrees", [2, 10, 35, 60, 80])
@@ -52,8 +54,3 @@ def test_a_long_wall_takes_its_known_share_and_bends_the_normal_away(degrees: fl
     angle = (np.arange(4000) + 0.5) / 4000 * (np.pi - elevation) - (np.pi / 2 - elevation)
     x, z = np.mean(np.sin(angle) * np.cos(angle)), np.mean(np.cos(angle) ** 2)
     np.testing.assert_allclose(bent, [x / np.hypot(x, z), 0, z / np.hypot(x, z)], atol=0.02)
-
-
-def test_other_shapes_are_refused() -> None:
-    with pytest.raises(ShapeError, match=r"visibility: .*\(\.\.\., n, n\)"):
-        occlusion(np.ones((2, 3)))

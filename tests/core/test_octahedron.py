@@ -93,9 +93,9 @@ def test_eight_octants_have_a_triangle_each() -> None:
 
 
 def test_what_has_no_direction_stays_what_it_is() -> None:
-    for dtype in (np.float64, np.float32):
-        zeros = np.array([[0, 0, 0], [-0.0, -0.0, -0.0]], dtype)
-        np.testing.assert_array_equal(oc.direction_to_octahedron(zeros), 0.5)
+    zeros = np.array([[0, 0, 0], [-0.0, -0.0, -0.0]])
+    for none in (zeros, zeros.astype(np.float32)):
+        np.testing.assert_array_equal(oc.direction_to_octahedron(none), 0.5)
     place = oc.direction_to_octahedron(np.array([[np.nan, 0, 1], [0, np.nan, -1], [0, 0, np.nan], [0, 0, 1]]))
     assert np.isnan(place[:3]).any(axis=1).all()
     assert (place[3] == 0.5).all()
@@ -105,18 +105,6 @@ def test_what_has_no_direction_stays_what_it_is() -> None:
     assert oc.direction_to_octahedron(np.zeros((0, 3))).shape == (0, 2)
     assert oc.octahedron_to_direction(np.zeros((5, 0, 2))).shape == (5, 0, 3)
     assert oc.sample_octahedron(np.zeros((4, 4, 3)), np.zeros((0, 2))).shape == (0, 3)
-
-
-@given(places(anywhere), st.integers(1, 9), dtypes)
-def test_weights_are_a_share_of_one_and_cells_lie_on_the_map(place: Floats, size: int, dtype: Real) -> None:
-    taps = list(oc.octahedron_taps(place.astype(dtype), size))
-    assert len(taps) == 4
-    weights = np.stack([weight for _, weight in taps])
-    cells = np.stack([cell for cell, _ in taps])
-    assert weights.dtype == dtype
-    assert weights.min() >= 0
-    np.testing.assert_allclose(weights.sum(axis=0), 1, atol=TOLERANCE[dtype])
-    assert 0 <= cells.min() <= cells.max() < size * size
 
 
 @pytest.mark.parametrize("size", [1, 2, 5, 8])

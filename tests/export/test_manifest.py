@@ -25,51 +25,27 @@ BAKE = Sidecar("Vase", "radiance", 100, 60, 8, "RadTex", 4, 0, "portal", "RadTex
 
 
 def entry(**changes: Any) -> TextureEntry:
-    facts: dict[str, Any] = {
-        "file": "Vase.radiance.ktx2",
-        "container": Container.KTX2,
-        "format": PixelFormat.RGB9E5,
-        "zstd": True,
-        "arrangement": Arranged.MATRIX,
-        "size": (416, 512),
-        "layers": 2,
-        "texels": (100, 60),
-        "stored": (104, 64),
-        "levels": 3,
-        "pages": (2, 1),
-        "page_texels": (52, 64),
-    }
-    return TextureEntry(**facts | changes)
+    stored: tuple[Any, ...] = ((416, 512), 2, (100, 60), (104, 64), 3, (2, 1), (52, 64))
+    kind = (Container.KTX2, PixelFormat.RGB9E5, True, Arranged.MATRIX)
+    return replace(TextureEntry("Vase.radiance.ktx2", *kind, *stored), **changes)
 
 
 def manifest(**changes: Any) -> Manifest:
-    facts: dict[str, Any] = {
-        "tool": "RadTex 1",
-        "name": "Vase",
-        "mesh": "Vase.glb",
-        "flat": "Vase.flat.png",
-        "bake": BAKE.facts(),
-        "textures": {"radiance": entry()},
-        "flat_scale": 0.25,
-    }
-    return Manifest(**facts | changes)
+    textures = {"radiance": entry()}
+    whole = Manifest("RadTex 1", "Vase", "Vase.glb", "Vase.flat.png", BAKE.facts(), textures, 0.25)
+    return replace(whole, **changes)
 
 
 def test_a_manifest_comes_back(tmp_path: Path) -> None:
     path = tmp_path / "Vase.export.json"
-    write_manifest(path, manifest())
-    assert read_manifest(path) == manifest()
-    assert path.read_text() == manifest().to_json()
-
-
-def test_a_range_is_told_where_there_is_one(tmp_path: Path) -> None:
-    path, found = (
-        tmp_path / "Vase.export.json",
-        manifest(textures={"radiance": entry(scale=2.5, offset=-1.0)}),
-    )
-    write_manifest(path, found)
-    assert read_manifest(path) == found
-    assert json.loads(path.read_text())["textures"]["radiance"]["range"] == [2.5, -1.0]
+    sliced = entry(arrangement=Arranged.SLICES, layers=64, pages=(1, 1), page_texels=(104, 64))
+    for one in (entry(), sliced, entry(scale=2.5, offset=-1.0)):
+        whole = manifest(textures={"radiance": one})
+        write_manifest(path, whole)
+        assert read_manifest(path) == whole
+        assert path.read_text() == whole.to_json()
+        told = json.loads(path.read_text())["textures"]["radiance"]
+        assert told.get("range") == ([2.5, -1.0] if one.scale == 2.5 else None)
 
 
 def test_the_keys_are_the_contracts() -> None:
@@ -93,25 +69,12 @@ def test_the_keys_are_the_contracts() -> None:
     }
 
 
-def test_slices_have_layers_in_one_page() -> None:
-    sliced = entry(arrangement=Arranged.SLICES, layers=64, pages=(1, 1), page_texels=(104, 64))
-    written = manifest(textures={"radiance": sliced})
-    assert Manifest.from_json(written.to_json()) == written
-
-
 def test_a_layered_bake_has_its_layers(tmp_path: Path) -> None:
-    facts = replace(BAKE, width=16, height=16, bucket=14)
+    facts, size = replace(BAKE, width=16, height=16, bucket=14), (104, 64)
     layered = write_layered(tmp_path / "Vase.radiance.json", made_up_atlas(16, 16), facts)
-    image = entry(
-        arrangement=Arranged.IMAGE,
-        size=(104, 64),
-        layers=1,
-        texels=(104, 64),
-        pages=(1, 1),
-        page_texels=(104, 64),
-    )
-    bake = json.loads(layered.to_json())
-    written = manifest(bake=bake, textures=dict.fromkeys(layered.bake.layers, image))
+    one = {"layers": 1, "pages": (1, 1), "size": size, "texels": size, "page_texels": size}
+    textures = dict.fromkeys(layered.bake.layers, entry(arrangement=Arranged.IMAGE, **one))
+    written = manifest(bake=json.loads(layered.to_json()), textures=textures)
     assert Manifest.from_json(written.to_json()) == written
     lacking = json.loads(written.to_json())
     lacking["textures"] = {"colour": lacking["textures"]["colour"]}

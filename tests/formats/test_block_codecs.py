@@ -180,7 +180,7 @@ def test_other_images_and_blocks_are_refused(codec: Codec) -> None:
     with pytest.raises(ShapeError, match=rf"\(rows, columns, {blocks.shape[2]}\)"):
         codec.decode(blocks[..., :-1])
     with pytest.raises(ShapeError, match="uint8"):
-        codec.decode(blocks.astype(np.int16))  # type: ignore[arg-type]
+        codec.decode(blocks.astype(np.int16))
 
 
 _MODES_OF_BC6H = {0: "mode 1", 1: "mode 2", 2: "mode 3", 0b11110: "mode 10", 0b00111: "mode 12"}
@@ -358,7 +358,7 @@ def test_a_smooth_image_is_nearly_as_good_as_eight_bits() -> None:
     for image, decibels in ((whole, 4), (0.3 + 0.05 * whole, 1)):
         wrong, rounded = BC7.again(image) - image, np.rint(image * 255) / 255 - image
         assert 10 * np.log10(np.mean(wrong**2) / np.mean(rounded**2)) < decibels
-    assert np.abs(wrong).max() < 1.5 * STEP
+        assert np.abs(wrong).max() < 1.5 * STEP or image is whole
 
 
 def test_pixels_on_one_line_lose_what_sixteen_levels_lose() -> None:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Atlases come back as they were written, the right way up, and bad files are refused by name."""
+"""Atlases and renders come back as they were written, the right way up; bad files are refused by name."""
 
 from __future__ import annotations
 
@@ -13,9 +13,11 @@ import OpenEXR
 import pytest
 
 from radtex_addon.core.arrays import Floats
+from radtex_addon.core.colour_spaces import KNOWN, converted, matrix_to_rec709
 from radtex_addon.core.errors import BakeError, FormatError, ShapeError
 from radtex_addon.formats.containers.exr import Compression, read_atlas, read_render, write_atlas
 from radtex_addon.formats.disk.memory import physical_memory, readable_size
+from radtex_addon.formats.render_space import render_matrix
 from radtex_addon.formats.sidecar import Sidecar
 
 SIDECAR = Sidecar("Cube", "radiance", 24, 10, 8, "RadTex", 16, 0, "portal", "RadTex 0.1.0", "5.2.3")
@@ -79,18 +81,15 @@ def test_values_beyond_a_half_are_clamped_and_counted(tmp_path: Path) -> None:
     assert np.isfinite(read_atlas(tmp_path / "b.exr")[0]).all()
 
 
-def test_values_that_are_no_numbers_are_refused_and_counted(tmp_path: Path) -> None:
+def test_values_that_are_no_numbers_and_pixels_that_do_not_fit_are_refused(tmp_path: Path) -> None:
     pixels = light()
     pixels[70:72, 5, 1] = np.nan
     with pytest.raises(BakeError, match=r"a\.exr was not written: 2 of its values are not numbers"):
         write_atlas(tmp_path / "a.exr", pixels, SIDECAR)
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_pixels_that_do_not_fit_the_sidecar_are_refused(tmp_path: Path) -> None:
-    for pixels in (light()[:-1], light()[..., :2], light()[..., 0]):
+    for other in (light()[:-1], light()[..., :2], light()[..., 0]):
         with pytest.raises(ShapeError, match=r"\(80, 192"):
-            write_atlas(tmp_path / "a.exr", pixels, SIDECAR)
+            write_atlas(tmp_path / "a.exr", other, SIDECAR)
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_failing_write_leaves_the_old_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -243,3 +242,42 @@ def test_sizes_are_readable() -> None:
     assert [readable_size(n) for n in (512, 2**20 - 1, 1.5 * 2**30)] == ["512 bytes", "1024 KiB", "1.5 GiB"]
     memory = physical_memory()
     assert memory is None or 2**28 < memory < 2**50
+
+
+def rendered(path: Path, *spaces: str | None) -> Path:
+    """A file of as many parts as there are spaces, each of which says its own."""
+    parts = []
+    for number, space in enumerate(spaces):
+        header = {"type": OpenEXR.scanlineimage, "name": f"part {number}"}
+        if space is not None:
+            header["colorInteropID"] = space
+        parts.append(OpenEXR.Part(header, {"RGB": np.ones((2, 2, 3), dtype=np.float32)}))
+    OpenEXR.File(parts).write(str(path))
+    return path
+
+
+def test_matrices_are_those_that_others_publish() -> None:
+    """ITU-R BT.2407 for Rec.2020; the ACES project's for AP1 with Bradford's adaptation."""
+    rec2020 = [(1.6605, -0.5876, -0.0728), (-0.1246, 1.1329, -0.0083), (-0.0182, -0.1006, 1.1187)]
+    acescg = [(1.70505, -0.62179, -0.08326), (-0.13026, 1.14080, -0.01055), (-0.02400, -0.12897, 1.15297)]
+    np.testing.assert_allclose(matrix_to_rec709("lin_rec2020_scene"), rec2020, atol=1e-4)
+    np.testing.assert_allclose(matrix_to_rec709("lin_ap1_scene"), acescg, atol=1e-5)
+    for space in KNOWN:
+        white = converted(np.ones((2, 3), dtype=np.float32), matrix_to_rec709(space))
+        assert white.dtype == np.float32
+        np.testing.assert_allclose(white, 1, atol=1e-6)
+
+
+def test_the_file_says_its_space_and_data_has_none(tmp_path: Path) -> None:
+    for plain in (("lin_rec709_scene", "data"), (None, None), ("data",)):
+        assert render_matrix(rendered(tmp_path / "a.exr", *plain)) is None
+    found = render_matrix(rendered(tmp_path / "a.exr", "data", "lin_ap1_scene", "lin_ap1_scene"))
+    assert found is not None
+    np.testing.assert_array_equal(found, matrix_to_rec709("lin_ap1_scene"))
+
+
+def test_a_space_that_is_not_known_is_named(tmp_path: Path) -> None:
+    with pytest.raises(FormatError, match=r"a\.exr holds colours of the space 'lin_p3d65_scene'"):
+        render_matrix(rendered(tmp_path / "a.exr", "lin_p3d65_scene"))
+    with pytest.raises(FormatError, match=r"a\.exr mixes colours of lin_ap1_scene and lin_rec2020_scene"):
+        render_matrix(rendered(tmp_path / "a.exr", "lin_ap1_scene", "lin_rec2020_scene"))

@@ -16,7 +16,6 @@ import numpy as np
 import pytest
 
 from radtex_addon.bake.checkpoint import Checkpoint
-from radtex_addon.bake.key import KEY
 from radtex_addon.core.errors import BakeError, FormatError, RadTexError
 from radtex_addon.formats.disk.regular import MOST_TEXT, open_regular, other_kind, read_regular
 from tests.fuzz.corpus import FACTS, make_corpus
@@ -138,8 +137,3 @@ def test_rows_of_a_piece_that_is_no_more_what_it_was_are_refused(harm: str, tmp_
         os.mkfifo(path)
     with pytest.raises(BakeError, match=r"tile\.piece can no longer be read: .*; bake again"):
         kept.rows("tile", "cells", 2, 4)
-
-
-def test_a_key_that_is_a_pipe_is_named(tmp_path: Path) -> None:
-    os.mkfifo(tmp_path / KEY)
-    assert not Checkpoint(tmp_path, resume=True).names()

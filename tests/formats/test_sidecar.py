@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The sidecar is a contract: its keys, its refusals, its file names."""
+"""The sidecar is a contract: its keys, its refusals, its file names, its fingerprint."""
 
 from __future__ import annotations
 
@@ -10,12 +10,15 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from radtex_addon.core.errors import BakeError, FormatError, InputError
-from radtex_addon.formats.json_reader import MOST_VALUES
+from radtex_addon.formats.fingerprint import KEY, Fingerprint, fingerprint_in
+from radtex_addon.formats.json_reader import MOST_VALUES, Facts
+from radtex_addon.formats.sample_counts import count_text, read_counts
 from radtex_addon.formats.sidecar import (
     Content,
     Part,
@@ -246,3 +249,75 @@ def test_what_no_reader_takes_is_refused_before_the_bake_and_never_written() -> 
     assert Sidecar.from_json(half.to_json()) == half
     with pytest.raises(InputError, match=r"could not be read, it has \d+ values"):
         check_readable(half)  # its layout adds others
+
+
+def test_runs_go_row_after_row_from_the_bottom() -> None:
+    counts = np.array([[8, 8, 8], [8, 24, 24], [8, 8, 2**24 * 1000]])
+    assert count_text(counts) == "8x4 24x2 8x2 16777216000x1"
+    assert not count_text(np.full((4, 5), 16))  # equal ones need no words
+    for each in (counts, np.random.default_rng(1).integers(1, 4, (37, 53))):
+        np.testing.assert_array_equal(
+            read_counts(count_text(each), each.shape[1], each.shape[0], "here"), each
+        )
+
+
+@pytest.mark.parametrize("text", ["", "8x4", "8x10", "0x9", "8x4,24x5", "8x4  24x5", "-8x9", "8x0 8x9"])
+def test_what_does_not_fit_is_refused(text: str) -> None:
+    with pytest.raises(FormatError, match=r'a\.json has a "texel_samples" that does not tell 3 x 3 texels'):
+        read_counts(text, 3, 3, "a.json")
+
+
+WHOLE = Fingerprint("of mesh", "of transform", "of materials", "of settings", "of surroundings")
+SUMS = ("0.5,1", "0.5000001,1.00001")
+
+
+def facts(value: object) -> Facts:
+    return Facts({KEY: value}, "the sidecar")
+
+
+def test_json_holds_all_of_it() -> None:
+    assert fingerprint_in(facts(WHOLE.to_facts())) == WHOLE
+    assert fingerprint_in(Facts({}, "the sidecar")) is None
+    assert fingerprint_in(facts({"version": 2})) == Fingerprint(version=2)
+    with pytest.raises(FormatError):
+        fingerprint_in(facts({"version": 1, "mesh": 3}))
+
+
+def test_what_is_not_known_differs() -> None:
+    assert WHOLE.differences(WHOLE) == ()
+    assert WHOLE.differences(replace(WHOLE, mesh="other", settings="other")) == ("mesh", "settings")
+    assert Fingerprint().differences(Fingerprint()) == (
+        "mesh",
+        "transform",
+        "materials",
+        "settings",
+        "surroundings",
+    )
+
+
+def test_what_differs_by_rounding_is_the_same_and_is_compared_with_what_earlier_radtexes_wrote() -> None:
+    exact = [f"sha256:{number:064x}" for number in range(2)]
+    one, near = (
+        replace(WHOLE, mesh=f"{digest} {'c' * 64} {sums}") for digest, sums in zip(exact, SUMS, strict=True)
+    )
+    told = one.to_facts()
+    assert told["mesh"] == exact[0]
+    assert told["near"] == {"mesh": f"{'c' * 64} {SUMS[0]}"}
+    assert fingerprint_in(facts(told)) == one
+    assert one.differences(near) == ()
+    assert near.folded_onto(one, everywhere=False) == near
+    earlier = fingerprint_in(facts({key: told[key] for key in told if key != "near"}))
+    assert earlier is not None
+    assert earlier.differences(one) == one.differences(earlier) == ()
+    assert earlier.differences(near) == ("mesh",)
+    moved = replace(near, mesh=near.mesh.replace(SUMS[1], "0.5,1.001"))
+    assert one.differences(moved) == ("mesh",)
+    with pytest.raises(FormatError):
+        fingerprint_in(facts({**told, "near": "none"}))
+
+
+def test_an_atlas_that_is_added_to_keeps_its_settings_and_what_is_the_same() -> None:
+    now = replace(WHOLE, materials="other", settings="other")
+    assert now.folded_onto(WHOLE, everywhere=False) == replace(WHOLE, materials="")
+    assert now.folded_onto(WHOLE, everywhere=True) == replace(WHOLE, materials="other")
+    assert now.folded_onto(None, everywhere=True) is None

@@ -40,7 +40,8 @@ def mutate_exr(data: bytearray, random: Random) -> None:
     elif deed == 1:
         _mutate_chunks(data, random, attributes)
     elif deed == 2:
-        text = bytearray(_text(data))
+        one = _sidecar(data)
+        text = data[one.value : one.value + one.size]
         mutate_json(text, random)
         put_text(data, bytes(text))
     elif deed == 3:
@@ -51,13 +52,8 @@ def mutate_exr(data: bytearray, random: Random) -> None:
         _add(data, random, b"tiles", b"tiledesc", value)
     elif deed == 5:
         name, kind = (random.choice(words).encode() for words in (_EXR_NAMES, _EXR_TYPES))
-        _add(
-            data,
-            random,
-            name * random.choice((1, 1, 20)),
-            kind,
-            random.randbytes(random.choice((0, 4, 9, 90))),
-        )
+        value = random.randbytes(random.choice((0, 4, 9, 90)))
+        _add(data, random, name * random.choice((1, 1, 20)), kind, value)
     else:
         _mutate_attribute(data, random, random.choice(attributes))
 
@@ -135,16 +131,14 @@ def _attributes(data: bytearray) -> list[_Attribute]:
     return found
 
 
-def _text(data: bytearray) -> bytes:
+def _sidecar(data: bytearray) -> _Attribute:
     """The sidecar's JSON in the header."""
-    one = next(attribute for attribute in _attributes(data) if attribute.name == ATTRIBUTE.encode())
-    return bytes(data[one.value : one.value + one.size])
+    return next(attribute for attribute in _attributes(data) if attribute.name == ATTRIBUTE.encode())
 
 
 def put_text(data: bytearray, text: bytes) -> None:
     """Put another JSON into the header."""
-    one = next(attribute for attribute in _attributes(data) if attribute.name == ATTRIBUTE.encode())
-    _put(data, one, text)
+    _put(data, _sidecar(data), text)
 
 
 def _put(data: bytearray, one: _Attribute, value: bytes) -> None:

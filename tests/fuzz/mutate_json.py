@@ -21,30 +21,13 @@ _SPELLED = (
         r'"\u2028"',
         '"../../x"',
         '"/etc/passwd"',
-        '"C:\\\\x"',
+        r'"C:\\x"',
         '"con"',
     ),
     *("[" * 50 + "]" * 50, "[" * 400 + "]" * 400, "[" * 990 + "]" * 990, "[" * 5000 + "]" * 5000),
     *('{"a":' * 900 + "1" + "}" * 900, "[" * 100_000),
 )
-_SPLICED = (
-    "\ufeff",
-    "\0",
-    "//",
-    ",",
-    ":",
-    '"',
-    "{",
-    "}",
-    "[",
-    "]",
-    "\\",
-    "\n",
-    "'",
-    "\x85",
-    "é",
-    "\ud83d"[:0],
-)
+_SPLICED = (*"\ufeff\0", "//", *",:\"{}[]\\\n'\x85é", "")
 _MARK = "\ue000"  # a value that stands for a spelled one
 
 
@@ -71,7 +54,8 @@ def _spliced(text: str, random: Random) -> str:
     place = random.randrange(len(text) + 1)
     if random.random() < 0.3:
         return text.encode(random.choice(("utf-16", "utf-8-sig"))).decode("latin-1")
-    return text[:place] + random.choice((*_SPLICED, *_SPELLED)) + text[place + random.choice((0, 0, 1, 5)) :]
+    between: str = random.choice((*_SPLICED, *_SPELLED))
+    return text[:place] + between + text[place + random.choice((0, 0, 1, 5)) :]
 
 
 def _changed(document: Any, random: Random, replaced: dict[str, str]) -> Any:

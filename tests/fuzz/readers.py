@@ -12,6 +12,7 @@ import struct
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from itertools import islice
 from pathlib import Path
 
@@ -60,17 +61,18 @@ from .mutate_json import mutate_json
 class Reader:
     """A way to read the file `target` of the corpus, which is damaged before.
 
-    It begins with what `seeds` match. `ways` know the format. `follow` gives the target's companions what
-    they must say so that the damage is not noticed by them alone. `raises` is what `read` may raise. `weight`
-    is its part of all executions. What loads `blender`, which may print when it likes, comes last.
+    It begins with what `seeds` match, or the target itself. `way` knows the format. `follow` gives the
+    target's companions what they must say so that the damage is not noticed by them alone. `raises` is what
+    `read` may raise. `weight` is its part of all executions. What loads `blender`, which may print when it
+    likes, comes last.
     """
 
     target: str
-    seeds: str
-    ways: tuple[Mutator, ...]
+    way: Mutator
     read: Callable[[Path], object]
     weight: int = 1
     follow: Callable[[Path], None] | None = None
+    seeds: str = ""
     raises: type[RadTexError] = FormatError
     blender: bool = False
 
@@ -89,9 +91,13 @@ def _facts(path: Path) -> None:
         read_counts(sidecar.texel_samples, sidecar.width, sidecar.height, str(path))
 
 
+def _json(path: Path) -> Path:
+    return path.with_suffix(".json")
+
+
 def _rows(path: Path) -> None:
     """All bands of rows, if they are not too many."""
-    image, _ = open_buckets(path.with_suffix(".json"))
+    image, _ = open_buckets(_json(path))
     for _ in islice(image.bands(), 20):
         pass
 
@@ -231,118 +237,54 @@ def _headers_as_sidecar(path: Path) -> None:
         image.write_bytes(data)
 
 
-def _layer(layer: str) -> Reader:
-    name = f"Coat.radiance.{layer}.exr"
-    return Reader(name, name, (mutate_exr,), _layered)
-
-
-_EXR, _KTX2, _DDS = "exr.seeds/zip4.exr", "ktx2.seeds/BC6H1.ktx2", "dds.seeds/BC6H.dds"
+_SHADE, _VASE, _COAT = "Shade.shadow.exr", "Vase.radiance.exr", "Coat.radiance"
+_KTX2, _DDS = "ktx2.seeds/BC6H1.ktx2", "dds.seeds/BC6H.dds"
 _FARM = "Vase.radiance.radtex-farm/farm.json"
-_ALONE = "Alone.radiance.radtex-farm/farm.json"
-_FRAME = "Alone.radiance.radtex-farm/frame.exr"
-_PLAN = "Alone.radiance.radtex-farm/plan.npz"
-_PIECE = "bake.radtex-unfinished/tile-0000.piece"
+_ALONE = "Alone.radiance.radtex-farm"
+_BAKE = "bake.radtex-unfinished"
+_PIECE = f"{_BAKE}/tile-0000.piece"
+_exr = partial(Reader, "exr.seeds/zip4.exr", mutate_exr, seeds="exr.seeds/*.exr")
+_with_blender = partial(Reader, raises=RadTexError, blender=True)
 
 READERS = {
-    "atlas": Reader(_EXR, "exr.seeds/*.exr", (mutate_exr,), read_atlas, 8),
-    "render": Reader(_EXR, "exr.seeds/*.exr", (mutate_exr,), read_render, 8),
-    "whole": Reader(_EXR, "exr.seeds/*.exr", (mutate_exr,), read_whole, 3),
-    "compression": Reader(_EXR, "exr.seeds/*.exr", (mutate_exr,), stored_compression),
-    "shadow": Reader("Shade.shadow.exr", "Shade.shadow.exr", (mutate_exr,), read_shadow, 3),
-    "visible": Reader(
-        "Shade.shadow.exr",
-        "Shade.shadow.exr",
-        (mutate_exr,),
-        lambda path: visible_buckets(path.with_suffix(".json")),
-        follow=_sidecar_as_header,
-    ),
-    "buckets": Reader(
-        "Vase.radiance.exr",
-        "Vase.radiance.exr",
-        (mutate_exr,),
-        lambda path: read_buckets(path.with_suffix(".json")),
-        3,
-        follow=_sidecar_as_header,
-    ),
-    "rows": Reader(
-        "Vase.radiance.exr",
-        "Vase.radiance.exr",
-        (mutate_exr,),
-        _rows,
-        4,
-        follow=_sidecar_as_header,
-    ),
+    "atlas": _exr(read_atlas, 8),
+    "render": _exr(read_render, 8),
+    "whole": _exr(read_whole, 3),
+    "compression": _exr(stored_compression),
+    "stamps": _exr(read_stamps),
+    "shadow": Reader(_SHADE, mutate_exr, read_shadow, 3),
+    "visible": Reader(_SHADE, mutate_exr, lambda path: visible_buckets(_json(path)), 1, _sidecar_as_header),
+    "buckets": Reader(_VASE, mutate_exr, lambda path: read_buckets(_json(path)), 3, _sidecar_as_header),
+    "rows": Reader(_VASE, mutate_exr, _rows, 4, _sidecar_as_header),
     "layer": Reader(
         "Vase.radiance.base.exr",
-        "Vase.radiance.base.exr",
-        (mutate_exr,),
+        mutate_exr,
         lambda path: read_layer(path.with_name("Vase.radiance.json"), "base"),
     ),
     "transfer": Reader(
-        "Wax.transfer.exr",
-        "Wax.transfer.exr",
-        (mutate_exr,),
-        lambda path: read_transfer(path.with_suffix(".json")),
-        2,
-        follow=_sidecar_as_header,
+        "Wax.transfer.exr", mutate_exr, lambda path: read_transfer(_json(path)), 2, _sidecar_as_header
     ),
-    "layered-sidecar": Reader(
-        "Coat.radiance.json",
-        "Coat.radiance.json",
-        (mutate_json,),
-        _layered,
-        4,
-        follow=_headers_as_sidecar,
-    ),
-    "layered-irradiance": _layer("irradiance"),
-    "layered-own": _layer("own"),
-    "layered-exit": _layer("exit_direction"),
-    "layered-things": _layer("things"),
-    "sidecar": Reader("Rich.radiance.json", "*.json", (mutate_json,), _facts, 8),
-    "manifest": Reader("manifest.seeds/0.json", "manifest.seeds/*.json", (mutate_json,), read_manifest, 6),
-    "farm": Reader(_FARM, _FARM, (mutate_json,), lambda path: read_farm_manifest(FarmFiles(path.parent)), 3),
-    "plan": Reader(_PLAN, _PLAN, (mutate_npz,), _plan, 3, follow=_plan_with_digest),
-    "stamps": Reader(_EXR, "exr.seeds/*.exr", (mutate_exr,), read_stamps, 1),
-    "ktx2": Reader(_KTX2, "ktx2.seeds/*.ktx2", (mutate_ktx2,), _ktx2, 8),
-    "dds": Reader(_DDS, "dds.seeds/*.dds", (mutate_dds,), _dds, 5),
-    "glb": Reader("mesh.glb", "mesh.glb", (mutate_glb,), Glb.read, 4),
-    "accessors": Reader("mesh.glb", "mesh.glb", (mutate_glb,), _accessors, 4),
-    "piece": Reader(_PIECE, _PIECE, (mutate_piece,), _piece, 5),
-    "piece-rows": Reader(_PIECE, _PIECE, (mutate_piece,), _piece_rows, 4, raises=BakeError),
-    "key": Reader(
-        f"bake.radtex-unfinished/{KEY}",
-        f"bake.radtex-unfinished/{KEY}",
-        (mutate_json,),
-        _key,
-        2,
-        raises=InputError,
-    ),
-    "assemble-manifest": Reader(
-        _ALONE, _ALONE, (mutate_json,), _assembled, 2, raises=RadTexError, blender=True
-    ),
-    "assemble-frame": Reader(
-        _FRAME, _FRAME, (mutate_exr,), _assembled, 2, follow=_as_frame, raises=RadTexError, blender=True
-    ),
-    "order": Reader(
-        "order.seeds/0.json",
-        "order.seeds/*.json",
-        (mutate_json,),
-        _order,
-        2,
-        raises=RadTexError,
-        blender=True,
-    ),
-    "images-list": Reader(
-        "images/images.json",
-        "images/images.json",
-        (mutate_json,),
-        _unsaved_images,
-        raises=InputError,
-        blender=True,
-    ),
-    "images-pixels": Reader(
-        "images/0.npy", "images/0.npy", (mutate_npy,), _unsaved_images, raises=InputError, blender=True
-    ),
+    "layered-sidecar": Reader(f"{_COAT}.json", mutate_json, _layered, 4, _headers_as_sidecar),
+    "layered-irradiance": Reader(f"{_COAT}.irradiance.exr", mutate_exr, _layered),
+    "layered-own": Reader(f"{_COAT}.own.exr", mutate_exr, _layered),
+    "layered-exit": Reader(f"{_COAT}.exit_direction.exr", mutate_exr, _layered),
+    "layered-things": Reader(f"{_COAT}.things.exr", mutate_exr, _layered),
+    "sidecar": Reader("Rich.radiance.json", mutate_json, _facts, 8, seeds="*.json"),
+    "manifest": Reader("manifest.seeds/0.json", mutate_json, read_manifest, 6, seeds="manifest.seeds/*.json"),
+    "farm": Reader(_FARM, mutate_json, lambda path: read_farm_manifest(FarmFiles(path.parent)), 3),
+    "plan": Reader(f"{_ALONE}/plan.npz", mutate_npz, _plan, 3, _plan_with_digest),
+    "ktx2": Reader(_KTX2, mutate_ktx2, _ktx2, 8, seeds="ktx2.seeds/*.ktx2"),
+    "dds": Reader(_DDS, mutate_dds, _dds, 5, seeds="dds.seeds/*.dds"),
+    "glb": Reader("mesh.glb", mutate_glb, Glb.read, 4),
+    "accessors": Reader("mesh.glb", mutate_glb, _accessors, 4),
+    "piece": Reader(_PIECE, mutate_piece, _piece, 5),
+    "piece-rows": Reader(_PIECE, mutate_piece, _piece_rows, 4, raises=BakeError),
+    "key": Reader(f"{_BAKE}/{KEY}", mutate_json, _key, 2, raises=InputError),
+    "assemble-manifest": _with_blender(f"{_ALONE}/farm.json", mutate_json, _assembled, 2),
+    "assemble-frame": _with_blender(f"{_ALONE}/frame.exr", mutate_exr, _assembled, 2, _as_frame),
+    "order": _with_blender("order.seeds/0.json", mutate_json, _order, 2, seeds="order.seeds/*.json"),
+    "images-list": _with_blender("images/images.json", mutate_json, _unsaved_images, raises=InputError),
+    "images-pixels": _with_blender("images/0.npy", mutate_npy, _unsaved_images, raises=InputError),
 }
 
 

@@ -41,7 +41,7 @@ class Judge:
     def __init__(self, reader: Reader, folder: Path, aloud: TextIO) -> None:
         """`folder` holds a corpus; `aloud` hears of a reader that hangs."""
         self.reader, self._path, self.aloud = reader, folder / reader.target, aloud
-        self.seeds = [path.read_bytes() for path in sorted(folder.glob(reader.seeds))]
+        self.seeds = [path.read_bytes() for path in sorted(folder.glob(reader.seeds or reader.target))]
         self._sidecars = {path: path.read_bytes() for path in folder.glob("*.json")}
         self._before = _most_resident()
         self.read = self.refused = 0
@@ -133,7 +133,7 @@ def _plain(judge: Judge, executions: int, seed: int) -> None:
     """Damage the corpus's files alone; each seed makes the same inputs everywhere."""
     for number in range(executions):
         random = Random(f"{seed} {number}")
-        judge(mutated(random.choice(judge.seeds), random, judge.reader.ways, _MOST_BYTES))
+        judge(mutated(random.choice(judge.seeds), random, (judge.reader.way,), _MOST_BYTES))
 
 
 def _guided(judge: Judge, executions: int, seed: int, say: Callable[[], None]) -> None:
@@ -141,7 +141,7 @@ def _guided(judge: Judge, executions: int, seed: int, say: Callable[[], None]) -
     import atheris  # noqa: PLC0415  # only here is it needed
 
     def mutate(data: bytes, most: int, number: int) -> bytes:
-        return mutated(data, Random(number), judge.reader.ways, most)
+        return mutated(data, Random(number), (judge.reader.way,), most)
 
     left = executions
 
@@ -158,14 +158,9 @@ def _guided(judge: Judge, executions: int, seed: int, say: Callable[[], None]) -
     with tempfile.TemporaryDirectory() as corpus:
         for number, data in enumerate(judge.seeds):
             Path(corpus, f"{number}").write_bytes(data)
-        options = [
-            f"-runs={2 * executions}",
-            f"-seed={seed + 1}",
-            f"-max_len={_MOST_BYTES}",
-            "-mutate_depth=1",  # ours changes enough at once
-            "-rss_limit_mb=0",
-        ]
-        options += ["-verbosity=0", f"-artifact_prefix={corpus}/"]
+        options = [f"-runs={2 * executions}", f"-seed={seed + 1}", f"-max_len={_MOST_BYTES}"]
+        options += ["-mutate_depth=1"]  # ours changes enough at once
+        options += ["-rss_limit_mb=0", "-verbosity=0", f"-artifact_prefix={corpus}/"]
         atheris.Setup([sys.argv[0], *options, corpus], one_input, custom_mutator=mutate)
         atheris.Fuzz()
 

@@ -1,23 +1,31 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The number of cells follows from the samples: fine ones for the rest only where that pays."""
+"""Buckets of several texels: summed, pooled and looked up as single ones are; finer cells where that pays."""
 
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
+from radtex_addon.bake.computed_rows import computed
 from radtex_addon.bake.light_samples import mirrored, spread_shifts
-from radtex_addon.core.arrays import Bools
+from radtex_addon.bake.pooling import Taps
+from radtex_addon.core.arrays import Bools, Floats
 from radtex_addon.cycles.portal import Aim
+from radtex_addon.forms.layered.capture.capturing import own_side, without_zeros
 from radtex_addon.forms.layered.capture.panoramas import panorama_directions
-from radtex_addon.forms.layered.fit.bucket_grid import BucketGrid
+from radtex_addon.forms.layered.cells import OWN_RAYS, OWN_SIDE
+from radtex_addon.forms.layered.fit import bucket_grid
+from radtex_addon.forms.layered.fit.bucket_grid import Block, BucketGrid
 from radtex_addon.forms.layered.fit.buckets import Buckets, fit_buckets
+from radtex_addon.forms.layered.fit.harmonics import fit_harmonics
 from radtex_addon.forms.layered.fit.parts import ALL_PARTS, Parts
+from radtex_addon.forms.layered.fit.rows import halved, random_half
 from radtex_addon.forms.layered.fit.visibility import free_share
 from radtex_addon.forms.layered.lookup.environment import Around, Pictures
 from radtex_addon.forms.layered.lookup.lobes import LOBES, STEPS, Material
 from radtex_addon.forms.layered.samples import OwnRays
-from tests.layered.made_up import flat_plan, light_samples, white_surface
+from tests.layered.made_up import flat_plan, light_samples, places_of, white_surface
 from tests.layered.test_layered import SIDE, flat_samples
 
 
@@ -56,3 +64,92 @@ def test_there_is_no_choice_where_the_object_mirrors_itself_or_none_is_wanted() 
     half[:, ::2] = True
     assert _fitted(waves=9, hit=half).rest_cells == 8
     assert _fitted(waves=9, parts=Parts(cells=False)).rest_cells == 8
+
+
+CELLS, SAMPLES = 6, 32
+
+
+def _sums(grid: BucketGrid, place: Floats, column: Floats) -> Floats:
+    def sum_up(block: Block) -> Floats:
+        return block.scatter(place[:, block.texels], CELLS, [column[block.texels]])
+
+    return np.concatenate(grid.in_blocks(sum_up, SAMPLES, at_once=300), axis=1)
+
+
+def test_a_bucket_sums_the_samples_of_its_texels() -> None:
+    plan, rng = flat_plan(SIDE, 16), np.random.default_rng(1)
+    place = rng.random((2, SIDE * SIDE, SAMPLES)).astype(np.float32)
+    column = rng.random(place.shape[1:]).astype(np.float32)
+    single = Taps.of(place, CELLS).scatter([column]).reshape(SIDE, SIDE, -1)
+    expected = single.reshape(SIDE // 2, 2, SIDE // 2, 2, -1).sum(axis=(1, 3)).reshape(-1, CELLS**2)
+    grid = BucketGrid.of(plan, 2)
+    np.testing.assert_allclose(_sums(grid, place, column)[0], expected, rtol=1e-4, atol=1e-5)
+    image = grid.placed(expected[None].astype(np.float32), 2 * expected[None].astype(np.float32))
+    assert image.shape == (SIDE // 2, SIDE // 2, CELLS, CELLS, 2)
+    np.testing.assert_allclose(image[3, 5].reshape(-1, 2)[:, 1], 2 * expected[3 * SIDE // 2 + 5], rtol=1e-6)
+
+
+def test_samples_look_up_the_bucket_of_their_texel() -> None:
+    plan, rng = flat_plan(SIDE, 16), np.random.default_rng(2)
+    place = rng.random((2, SIDE * SIDE, SAMPLES)).astype(np.float32)
+    grid = BucketGrid.of(plan, 2)
+    table = rng.random((2, len(grid), CELLS**2)).astype(np.float32)
+    expected = Taps.of(place, CELLS).gather(table[:, grid.bucket])
+    np.testing.assert_allclose(grid.gather(table, place, slice(None)), expected, rtol=1e-6)
+    some = np.array([7, 3, 100])
+    np.testing.assert_allclose(grid.gather(table, place[:, some], some), expected[:, some], rtol=1e-6)
+
+
+def test_what_pooling_leaves_of_noise_is_known() -> None:
+    grid = BucketGrid.of(flat_plan(SIDE, 16), 2)
+    each = np.eye(len(grid), dtype=np.float32)[:, :, None]
+    side = SIDE // 2
+    middle = side // 2 * side + side // 2
+    weights = grid.neighbours.pool(each)[:, middle, 0]
+    np.testing.assert_allclose(weights.sum(), 1, atol=1e-4)
+    np.testing.assert_allclose((weights**2).sum(), grid.share(wide=False), rtol=1e-3)
+    assert grid.share(wide=True) < grid.share(wide=False) / 10
+
+
+def test_cells_are_pooled_a_few_at_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    grid = BucketGrid.of(flat_plan(SIDE, 16), 2)
+    table = np.random.default_rng(3).random((2, len(grid), CELLS**2)).astype(np.float32)
+
+    def mean(own: Floats, pooled: Floats) -> Floats:
+        found: Floats = own[:1] + pooled[1:]
+        return found
+
+    expected = mean(table, grid.neighbours.pool(table))
+    monkeypatch.setattr(bucket_grid, "_POOLED_AT_ONCE", table.nbytes // 5)
+    np.testing.assert_allclose(grid.pool(table.copy(), grid.neighbours.pool, mean), expected, rtol=1e-6)
+
+
+def test_rays_to_the_object_itself_are_bounded() -> None:
+    assert own_side(1) == own_side(OWN_RAYS // OWN_SIDE**2) == OWN_SIDE
+    for texels in (300_000, 600_000, 1_500_000):
+        assert 0.8 * OWN_RAYS < texels * own_side(texels) ** 2 <= OWN_RAYS
+    assert own_side(10**9) ** 2 >= 25
+
+
+def test_small_arrays_hold_what_is_read_from_them() -> None:
+    values = np.random.default_rng(4).random((2, 5, SAMPLES)).astype(np.float32)
+    np.testing.assert_allclose(places_of(values)[1:3], values[:, 1:3], atol=1e-5)
+    assert np.isfinite(halved(np.array([1e9, -1e9]))).all()
+    rows = computed((5, 2), lambda some: np.arange(10).reshape(5, 2)[some] * 1.0)
+    assert rows.shape == (5, 2)
+    assert len(rows) == 5
+    np.testing.assert_array_equal(rows[2:4], [[4, 5], [6, 7]])
+    half = random_half((1000, SAMPLES), 1)
+    assert 0.45 < half.mean() < 0.55
+    np.testing.assert_array_equal(half, np.random.default_rng(1).random((1000, SAMPLES)) < 0.5)
+    nothing, something = np.zeros((4, 3), np.float16), np.ones((4, 3), np.float16)
+    assert without_zeros(nothing).strides == (0, 0)
+    assert without_zeros(something) is something
+
+
+def test_buckets_without_samples_have_no_harmonics() -> None:
+    grid = BucketGrid.of(flat_plan(SIDE, 16), 2)
+    shape = (SIDE * SIDE, SAMPLES)
+    direction = np.broadcast_to(np.array([0, 0, 1], np.float32), (*shape, 3))
+    found = fit_harmonics(direction, np.ones((*shape, 3)), np.zeros(shape, np.float32), grid, 0.03)
+    np.testing.assert_array_equal(found, np.zeros((len(grid), 9, 3)))

@@ -14,17 +14,15 @@ import numpy as np
 import pytest
 
 from radtex_addon.core.errors import BakeError, FormatError, ShapeError
-from radtex_addon.core.fragments import Fragments
 from radtex_addon.formats.containers.exr import Compression
 from radtex_addon.formats.sidecar import Sidecar
 from radtex_addon.forms.layered.files.arrangement import arranged, packed, tiled, unpacked, untiled
 from radtex_addon.forms.layered.files.layered_files import read_layered, write_layered
 from radtex_addon.forms.layered.files.sidecar import MOST_MATERIALS, LayeredSidecar
 from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas, sample_layered
-from radtex_addon.forms.layered.lookup.ways import Through
 from tests.layered.made_up import made_up_atlas, made_up_fragments
+from tests.layered_lookups import everything
 
-_RNG = np.random.default_rng(5)
 _BAKE = Sidecar("Vase", "radiance", 16, 16, 14, "RadTex", 16, 0, "portal", "RadTex 0", "5.2")
 
 
@@ -33,43 +31,18 @@ def atlas() -> LayeredAtlas:
     return made_up_atlas(16, 64)
 
 
-def _everything(atlas: LayeredAtlas) -> LayeredAtlas:
-    """With every optional map, and light that comes through."""
-    fine, coarse = atlas.colour.shape[:2], atlas.own.shape[:2]
-
-    def values(*shape: int) -> Any:
-        return _RNG.uniform(0.1, 1, shape).astype(np.float32)
-
-    return replace(
-        atlas,
-        tint=values(*fine, 3),
-        normal=values(*fine, 3) * 2 - 1,
-        width=values(*atlas.irradiance.shape[:2], 1),
-        alpha=values(*fine, 1),
-        through=Through(values(*coarse, 16, 16, 8), values(*coarse, 3), values(*coarse, 8, 8, 3)),
-    )
-
-
-def _fragments(atlas: LayeredAtlas) -> Fragments:
-    at = made_up_fragments(atlas, 2000)
-    tangent = np.cross(at.normal, [0.1, 0.2, 0.97]).astype(np.float32)
-    tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
-    return replace(at, tangent=tangent, bitangent=np.cross(at.normal, tangent))
-
-
 @pytest.mark.parametrize("half", [True, False])
 def test_what_is_written_is_read_again(atlas: LayeredAtlas, tmp_path: Path, half: bool) -> None:
     path = tmp_path / "Vase.radiance.json"
-    whole = _everything(atlas)
+    whole = everything(atlas)
     written = write_layered(path, whole, _BAKE, half)
     found, facts = read_layered(path)
     assert facts.to_json() == written.to_json()
     assert facts.bake.layers == tuple(arranged(whole))
     for name, image in arranged(whole).items():
-        np.testing.assert_allclose(
-            arranged(found)[name], image, rtol=1e-3 if half else 0, atol=1e-6, err_msg=name
-        )
-    at = _fragments(whole)
+        again = arranged(found)[name]
+        np.testing.assert_allclose(again, image, rtol=1e-3 if half else 0, atol=1e-6, err_msg=name)
+    at = made_up_fragments(whole, 2000, framed=True)
     once, again = sample_layered(whole, at), sample_layered(found, at)
     assert np.median(np.abs(once - again) / (once + 0.05)) < 0.01
 
@@ -95,12 +68,13 @@ def test_lossy_compression_spares_what_is_no_light(atlas: LayeredAtlas, tmp_path
 
 
 def test_tiles_and_packed_levels_come_back() -> None:
-    buckets = _RNG.uniform(size=(5, 7, 3, 3, 4)).astype(np.float32)
+    rng = np.random.default_rng(5)
+    buckets = rng.uniform(size=(5, 7, 3, 3, 4)).astype(np.float32)
     image = tiled(buckets)
     assert image.shape == (3 * 8, 3 * 8, 4)
     np.testing.assert_array_equal(untiled(image, 3, (7, 5)), buckets)
     np.testing.assert_array_equal(image[8 : 8 + 5, 16 : 16 + 7], buckets[:, :, 1, 2])
-    levels = tuple(_RNG.uniform(size=(16 >> level, 16 >> level, 3)).astype(np.float32) for level in range(4))
+    levels = tuple(rng.uniform(size=(16 >> level, 16 >> level, 3)).astype(np.float32) for level in range(4))
     image = packed(levels)
     assert image.shape == (16, 24, 3)
     for level, found in zip(levels, unpacked(image, 16, 4), strict=True):

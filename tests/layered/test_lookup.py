@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 import moderngl
 import numpy as np
@@ -16,17 +15,15 @@ from radtex_addon.core.octahedron import cell_directions, octahedron_to_directio
 from radtex_addon.formats.codecs.bc3 import decode_bc3, encode_bc3
 from radtex_addon.formats.codecs.srgb import from_srgb, to_srgb
 from radtex_addon.forms.layered.cells import CELLS
-from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas, sample_layered
+from radtex_addon.forms.layered.lookup.atlas import sample_layered
 from radtex_addon.forms.layered.lookup.edge_grid import EdgePictures, on_edges
-from radtex_addon.forms.layered.shader_values import DEFAULT, FULL, Cost
-from tests.bench.fidelity.layered.compressed import Texture, compressed
-from tests.bench.fidelity.layered.conditions import chosen, fetches
+from radtex_addon.forms.layered.shader_values import FULL
+from tests.bench.fidelity.layered.compressed import compressed
 from tests.bench.fidelity.layered.drawn_fragments import radiance
 from tests.bench.fidelity.layered.lookup import lookup_of
 from tests.layered.made_up import made_up_atlas, made_up_fragments
 
 _RNG = np.random.default_rng(3)
-Decoded = tuple[LayeredAtlas, dict[str, Texture]]
 
 
 @pytest.fixture(scope="module")
@@ -35,53 +32,8 @@ def context() -> Iterator[moderngl.Context]:
         yield context
 
 
-@pytest.fixture(scope="module")
-def decoded() -> Decoded:
-    return compressed(made_up_atlas(16, 64), near_sizes=(32, 32))
-
-
 def _off(found: Floats, expected: Floats) -> Floats:
     return np.asarray(np.abs(found - expected) / (np.abs(expected) + 0.05))
-
-
-@pytest.mark.parametrize("tinted", [False, True])
-def test_the_shader_multiplies_by_alpha_what_the_sampler_does(
-    context: moderngl.Context, tinted: bool
-) -> None:
-    whole = made_up_atlas(16, 64)
-    alpha = _RNG.uniform(0, 1, (64, 64, 1)).astype(np.float32)
-    tint = _RNG.uniform(0.5, 1, whole.colour.shape).astype(np.float32) * alpha
-    clear = replace(whole, alpha=alpha, colour=whole.colour * alpha, tint=tint if tinted else None)
-    atlas, textures = compressed(clear, near_sizes=(32, 32))
-    assert textures["alpha"].bytes == 64 * 64 // 2
-    assert atlas.alpha == pytest.approx(alpha, abs=0.15)
-    at = made_up_fragments(atlas, 4000)
-    expected = sample_layered(atlas, at)
-    off = _off(radiance(context, atlas, lookup_of(atlas, textures, FULL), at), expected)
-    assert off.mean() < 3e-3
-    assert _off(sample_layered(replace(atlas, alpha=None), at), expected).mean() > 0.03
-
-
-def test_the_shader_finds_what_the_sampler_does(context: moderngl.Context, decoded: Decoded) -> None:
-    atlas, textures = decoded
-    at = made_up_fragments(atlas, 4000)
-    expected = sample_layered(atlas, at)
-    off = _off(radiance(context, atlas, lookup_of(atlas, textures, FULL), at), expected)
-    assert off.mean() < 3e-3
-    assert off.max() < 0.05
-    without = replace(atlas, rest=np.zeros_like(atlas.rest))
-    assert _off(sample_layered(without, at), expected).mean() > 0.03
-
-
-def test_the_shader_widens_lobes_as_the_sampler_does(context: moderngl.Context) -> None:
-    whole = made_up_atlas(16, 64)
-    width = _RNG.uniform(-3, 3, (16, 16, 1)).astype(np.float32)
-    atlas, textures = compressed(replace(whole, width=width), near_sizes=(32, 32))
-    assert textures["width"].bytes == 16 * 16 // 2
-    at = made_up_fragments(atlas, 4000)
-    expected = sample_layered(atlas, at)
-    assert _off(radiance(context, atlas, lookup_of(atlas, textures, FULL), at), expected).mean() < 3e-3
-    assert _off(sample_layered(replace(atlas, width=None), at), expected).mean() > 0.02
 
 
 def test_the_shader_knows_how_many_cells_buckets_have(context: moderngl.Context) -> None:
@@ -89,41 +41,7 @@ def test_the_shader_knows_how_many_cells_buckets_have(context: moderngl.Context)
     at = made_up_fragments(atlas, 4000)
     off = _off(radiance(context, atlas, lookup_of(atlas, textures, FULL), at), sample_layered(atlas, at))
     assert off.mean() < 3e-3
-
-
-@pytest.mark.parametrize(
-    ("cost", "fetches"),
-    [(FULL, 18), (DEFAULT, 15), (Cost(second_lobe=False), 12), (Cost(steps=0, second_lobe=False), 11)],
-)
-def test_fetches_are_those_of_the_parts(decoded: Decoded, cost: Cost, fetches: int) -> None:
-    assert lookup_of(*decoded, cost).fetches == fetches
-
-
-def test_conditions_leave_the_right_lines() -> None:
-    source = (
-        "a\n#ifdef A\nb\n#if N > 1\nc // C\n#else\nd\n#endif\n#endif\n#if defined(A) || defined(B)\ne\n#endif"
-    )
-    assert chosen(source, {"A": 1, "N": 2}).split() == ["a", "b", "c", "e"]
-    assert chosen(source, {"B": 1}).split() == ["a", "e"]
-    assert chosen("#ifndef N\n#define N 2\n#endif\n#if N > 1\na\n#endif", {}).split()[-1] == "a"
-    assert not chosen("#ifndef N\n#define N 2\n#endif\n#if N > 1\na\n#endif", {"N": 1})
-
-
-def test_fetches_of_calls_and_loops_are_counted() -> None:
-    source = """#define N 4
-float twice(vec2 uv) {
-    return texture(a, uv).r + textureLod(a, uv, 0.0).r;
-}
-float all(vec2 uv) {
-    float sum = twice(uv);
-    for (int k = 0; k < N; k++) {
-        sum += twice(uv);
-    }
-    return sum;
-}
-"""
-    assert fetches(source, {}, "all") == 10
-    assert fetches(source, {}, "twice") == 2
+    assert off.max() < 0.05
 
 
 def test_colours_and_alpha_come_back_from_bc3() -> None:

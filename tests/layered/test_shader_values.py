@@ -49,35 +49,14 @@ def test_every_uniform_of_everything_is_in_a_buffer() -> None:
     np.testing.assert_allclose(numbers[-1, :3], case.sidecar.lamps[-1].irradiance, rtol=1e-6)
 
 
-def test_hlsl_declares_the_buffers() -> None:
-    text = _text("hlsl")
-    for name, layout in BUFFERS.items():
-        (body,) = re.findall(rf"cbuffer {name} [^{{]*{{(.*?)}}", text, re.DOTALL)
-        found = re.findall(r"float4 (\w+)(?:\[(\d+)\])?;", body)
-        assert [(member, int(count or 1)) for member, count in found] == list(layout.items())
-
-
-def test_wgsl_declares_the_buffers() -> None:
-    text = _text("wgsl")
-    for name, layout in BUFFERS.items():
-        (body,) = re.findall(rf"struct {name} {{(.*?)}}", text, re.DOTALL)
-        found = re.findall(r"(\w+): (?:vec4f|array<vec4f, (\d+)>),", body)
-        assert [int(count or 1) for _, count in found] == list(layout.values())
-        if name == "RadtexBake":
-            assert [f"radtex_{member}" for member, _ in found] == list(layout)
-
-
-def test_a_bake_without_lobes_reads_no_surroundings() -> None:
-    sidecar = case_of("matt").sidecar
+def test_what_is_not_looked_up_is_not_read() -> None:
+    sidecar = case_of("matt").sidecar  # without lobes
     assert layers_read(sidecar) == ("colour", "irradiance", "rest")
     assert definitions(sidecar)["RADTEX_LAMPS"] == 0
     assert "RADTEX_PLANE" not in definitions(sidecar)
-
-
-def test_distances_that_are_not_looked_up_are_not_read() -> None:
-    case = case_of("made up")
-    assert "distances" in layers_read(case.sidecar)
-    assert "distances" not in layers_read(case.sidecar, Cost(steps=0))
+    sidecar = case_of("made up").sidecar
+    assert "distances" in layers_read(sidecar)
+    assert "distances" not in layers_read(sidecar, Cost(steps=0))
 
 
 def test_one_lobe_is_as_bright_as_two() -> None:
@@ -102,6 +81,19 @@ def test_what_shaders_cannot_do_is_refused() -> None:
         bake_values(case.sidecar, {})
 
 
-def _text(language: str) -> str:
-    names = ("radtex_layered", "radtex_layered_through")
-    return "".join((SHADERS / f"{name}.{language}").read_text(encoding="utf-8") for name in names)
+@pytest.mark.parametrize(
+    ("language", "body", "member", "prefix"),
+    [
+        ("hlsl", r"cbuffer {} [^{{]*{{(.*?)}}", r"float4 (\w+)(?:\[(\d+)\])?;", ""),
+        ("wgsl", r"struct {} {{(.*?)}}", r"(\w+): (?:vec4f|array<vec4f, (\d+)>),", "radtex_"),
+    ],
+)
+def test_shaders_declare_the_buffers(language: str, body: str, member: str, prefix: str) -> None:
+    files = (SHADERS / f"{name}.{language}" for name in ("radtex_layered", "radtex_layered_through"))
+    text = "".join(path.read_text(encoding="utf-8") for path in files)
+    for name, layout in BUFFERS.items():
+        (inside,) = re.findall(body.format(name), text, re.DOTALL)
+        found = [(f"{prefix}{word}", int(count or 1)) for word, count in re.findall(member, inside)]
+        assert [count for _, count in found] == list(layout.values())
+        if language == "hlsl" or name == "RadtexBake":
+            assert [word for word, _ in found] == list(layout)

@@ -76,15 +76,6 @@ def test_taps_say_where_a_viewer_stands_between_cells() -> None:
     np.testing.assert_allclose(weights.sum(axis=0), 1, rtol=1e-6)
 
 
-def test_a_plane_seen_from_above_shows_its_own_points() -> None:
-    around = stripes_below()
-    x = np.array([0.1, 0.2, 0.3, 0.4], np.float32)
-    offset = np.stack([x - 1, 0 * x, 0 * x], axis=1)
-    down = np.tile(np.array([[2**-0.5, 0, -(2**-0.5)]], np.float32), (4, 1))  # one to the side, one down
-    seen = around.look(offset, down, np.zeros(4, np.float32))
-    np.testing.assert_allclose(seen[0], [0, 0, 1, 1], atol=0.15)
-
-
 def test_paths_that_go_astray_do_not_lead_the_way() -> None:
     plan = sheet()
     straight, ways = (fit_ways(straight_exits(plan, share), Neighbours(plan)) for share in (0.0, 0.2))
@@ -151,7 +142,7 @@ def test_ways_that_disagree_are_blurred() -> None:
     assert 0.3 < blurred < 0.85
 
 
-def test_how_much_gets_through_is_even_where_ways_go_alike() -> None:
+def test_how_much_gets_through_is_even_where_ways_go_alike_and_their_own_where_they_part() -> None:
     plan = sheet()
     exits = straight_exits(plan, 0.0)
     down = np.broadcast_to(np.array([0, 0, -1], np.float32), exits.direction.shape)
@@ -162,13 +153,8 @@ def test_how_much_gets_through_is_even_where_ways_go_alike() -> None:
     alone = noisy.weight.mean(axis=0).std()
     texels_left, cells_left = SHARE, (0.25**2 + 0.5**2 + 0.25**2) ** 2  # of the variance; at borders more
     assert ways[3].std() < 1.5 * alone * (texels_left * cells_left) ** 0.5
-
-
-def test_cells_whose_ways_part_keep_their_own_weights() -> None:
-    plan = sheet()
-    exits = straight_exits(plan, 0.0)
     left = cell_centres(CELLS).reshape(-1, 2)[:, 0] < 0
     direction = np.where(left[:, None], np.array([0, 0, 1], np.float32), exits.direction)
-    weight = np.where(left, np.float32(0.2), exits.weight)
-    ways = fit_ways(replace(exits, direction=direction, weight=weight), Neighbours(plan))
+    apart = replace(exits, direction=direction, weight=np.where(left, np.float32(0.2), exits.weight))
+    ways = fit_ways(apart, Neighbours(plan))
     np.testing.assert_allclose(ways[3], np.broadcast_to(np.where(left, 0.2, 0.8), ways[3].shape), rtol=1e-3)

@@ -8,7 +8,6 @@ import numpy as np
 
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
-from radtex_addon.core.errors import ShapeError
 from radtex_addon.core.levels import pad
 from radtex_addon.core.pages import Pages
 from tests.reference.levels import level_chain
@@ -40,17 +39,9 @@ def page_chain(image: Floats, layout: AtlasLayout, pages: Pages, levels: int) ->
 
 
 def join_pages(stack: Floats, layout: AtlasLayout, pages: Pages) -> Floats:
-    """Join pages (layers, height*n, width*n, C) into the atlas (H*n, W*n, C), without the padding.
-
-    Raises ShapeError if the pages have another shape or the layout does not fit into them.
-    """
+    """Join pages (layers, height*n, width*n, C) into the atlas (H*n, W*n, C), without the padding."""
     page_height, page_width = pages.height * layout.bucket, pages.width * layout.bucket
-    if stack.ndim != 4 or stack.shape[:3] != (pages.layers, page_height, page_width):
-        expected = f"({pages.layers}, {page_height}, {page_width}, C)"
-        raise ShapeError(f"pages: expected shape {expected}, got {stack.shape}")
     stored = pages.stored(layout.bucket)
-    if stored.width < layout.width or stored.height < layout.height:
-        raise ShapeError(f"pages: {pages} do not hold {layout.width} x {layout.height} texels")
     cut = stack.reshape(pages.rows, pages.columns, page_height, page_width, stack.shape[3])
     whole = cut.transpose(0, 2, 1, 3, 4).reshape(stored.pixel_height, stored.pixel_width, stack.shape[3])
     return whole[: layout.pixel_height, : layout.pixel_width]

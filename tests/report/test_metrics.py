@@ -17,15 +17,13 @@ def plain(value: float) -> Picture:
     return np.full((16, 16, 3), value)
 
 
-def test_decibels_are_of_display_values() -> None:
+def test_decibels_are_of_display_values_and_energy_of_light_that_is_not_clipped() -> None:
     shown = display(plain(0.2)) + 0.1
-    picture = shown**2.2
-    assert psnr(picture, plain(0.2), ALL) == pytest.approx(20)
-
-
-def test_what_a_display_clips_is_no_error() -> None:
+    assert psnr(shown**2.2, plain(0.2), ALL) == pytest.approx(20)
     assert psnr(plain(7), plain(1), ALL) == CAP
     assert psnr(plain(-7), plain(0), ALL) == CAP
+    assert compare(plain(6), plain(4), ALL, ALL).energy == pytest.approx(1.5)
+    assert np.isnan(compare(plain(1), plain(0), ALL, ALL).energy)
 
 
 def test_only_the_mask_counts() -> None:
@@ -34,11 +32,6 @@ def test_only_the_mask_counts() -> None:
     found = compare(picture, plain(0.5), mask, mask)
     assert (found.psnr, found.flip, found.energy) == (CAP, 0, 1)
     assert psnr(picture, plain(0.5), ALL) < 10
-
-
-def test_energy_is_of_light_that_is_not_clipped() -> None:
-    assert compare(plain(6), plain(4), ALL, ALL).energy == pytest.approx(1.5)
-    assert np.isnan(compare(plain(1), plain(0), ALL, ALL).energy)
 
 
 def test_flip_grows_with_the_error_and_sees_all_exposures_in_hdr() -> None:
