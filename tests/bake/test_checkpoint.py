@@ -56,6 +56,7 @@ def test_a_piece_comes_back_bit_by_bit(folder: Path) -> None:
     assert not folder.parent.exists()  # before the first piece
     checkpoint.keep("first", some())
     assert is_unfinished(folder)
+    checkpoint.close()
     resumed = begun(folder, resume=True)
     assert resumed.names() == ["first"]
     found = resumed.found("first")
