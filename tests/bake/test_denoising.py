@@ -98,15 +98,19 @@ def test_lost_energy_is_given_back() -> None:
 
 
 def test_noise_goes_and_the_mean_of_a_bucket_stays() -> None:
-    """Of layers of light too, and not of normals; hidden cells have no part in it."""
+    """Of layers of light and alpha too, and not of normals; hidden cells have no part in it."""
     plan = plan_capture(card(width=24, height=24), 4)
-    values = random_light(plan, 10)
-    found = denoised(plan, values, smoothing, layers=(Layer.DIFFUSE, Layer.NORMAL))
-    for light in (slice(3), slice(4, 7)):
+    values = random_light(plan, 13)
+    found = denoised(plan, values, smoothing, layers=(Layer.DIFFUSE, Layer.GLOSSY, Layer.NORMAL))
+    for light in (slice(3), slice(4, 7), slice(7, 10)):
         assert found[..., light].var() < values[..., light].var() / 8
     mean, before = found[..., :3].mean(axis=(0, 1, 2)), values[..., :3].mean(axis=(0, 1, 2))
     np.testing.assert_allclose(mean, before, rtol=0.01)
-    np.testing.assert_array_equal(found[..., 7:], values[..., 7:])
+    np.testing.assert_array_equal(found[..., 10:], values[..., 10:])
+    values[..., 3] = values[..., 4] < 1  # an alpha that varies is denoised as well
+    alpha = denoised(plan, values, smoothing, layers=(Layer.DIFFUSE, Layer.GLOSSY, Layer.NORMAL))[..., 3]
+    assert alpha.var() < values[..., 3].var() / 8
+    np.testing.assert_allclose(alpha.mean(), values[..., 3].mean(), rtol=0.01)
     marks = np.zeros(values.shape[:3], dtype=bool)
     marks[::3, 1, :] = True
     hidden, values = HiddenCells.of(marks), values[..., :4]
