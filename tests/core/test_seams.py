@@ -95,6 +95,9 @@ def test_on_a_roll_points_lie_on_it_and_frames_turn_with_it() -> None:
     radius = np.linalg.norm(outwards, axis=1)
     assert np.abs(radius - 0.5).max() < 0.5 * (1 - np.cos(1 / COLUMNS))
     assert np.sum(normal * outwards / radius[:, None], axis=1).min() > 1 - 1e-5
+    facet = after.facet[changed].astype(float)
+    np.testing.assert_allclose(np.linalg.norm(facet, axis=1), 1, atol=1e-6)
+    assert np.sum(facet * outwards / radius[:, None], axis=1).min() > np.cos(1 / COLUMNS + 1e-3)
     tangent = after.tangent[changed].astype(float)
     assert np.abs(np.sum(tangent * normal, axis=1)).max() < 1e-6
     # The tangent runs around the roll before, and still does.
