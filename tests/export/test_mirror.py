@@ -66,6 +66,10 @@ def test_the_ball_keeps_inside_a_room_and_outside_of_a_thing() -> None:
     assert max(thing.across) > 1 or abs(thing.middle[2]) - thing.radius > 1
     mirrored = path_over(box(2, False), True, False)
     assert mirrored == room
+    there = box(2, True).position + np.array([1.0, 2.0, 3.0])
+    moved = path_over(replace(box(2, True), position=there), False, False)
+    np.testing.assert_allclose(np.subtract(moved.middle, room.middle), [1, 2, 3], atol=1e-12)
+    assert (moved.across, moved.radius) == (room.across, room.radius)
 
 
 def test_what_no_mirror_shows_is_refused() -> None:

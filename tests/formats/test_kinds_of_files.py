@@ -13,6 +13,7 @@ import pytest
 from radtex_addon.formats.disk.kinds_of_files import FileKind, open_of_kind
 
 _TARGA = bytes([0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2, 0, 2, 0, 24, 0]) + bytes(12)
+_PACKED = [bytes([0, 0, kind, *bytes(9), 64, 0, 64, 0, 24, 0]) for kind in (10, 11)]  # Targa of few bytes
 _KNOWN = {
     FileKind.IMAGE: (
         b"\x89PNG\r\n\x1a\n",
@@ -21,6 +22,7 @@ _KNOWN = {
         b"#?RADIANCE\n",
         b"RIFF\0\0\0\0WEBP",
         _TARGA,
+        *_PACKED,
         b"BM" + bytes(12) + b"(\0\0\0",
     ),
     FileKind.FONT: (b"\0\1\0\0", b"OTTO", b"ttcf\0\1", b"wOF2", b"%!PS-AdobeFont-1.0"),
