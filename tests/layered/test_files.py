@@ -20,6 +20,7 @@ from radtex_addon.forms.layered.files.arrangement import arranged, packed, tiled
 from radtex_addon.forms.layered.files.layered_files import read_layered, write_layered
 from radtex_addon.forms.layered.files.sidecar import MOST_MATERIALS, LayeredSidecar
 from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas, sample_layered
+from radtex_addon.forms.layered.signature import own_texels
 from tests.layered.made_up import made_up_atlas, made_up_fragments
 from tests.layered_lookups import everything
 
@@ -158,3 +159,13 @@ def test_as_many_materials_as_a_sidecar_holds_come_back_and_more_are_refused(atl
     assert len(LayeredSidecar.from_json(made.to_json()).materials) == MOST_MATERIALS
     with pytest.raises(BakeError, match=rf"{MOST_MATERIALS + 1} materials, a sidecar holds {MOST_MATERIALS}"):
         LayeredSidecar.of(of(MOST_MATERIALS + 1), _BAKE)
+
+
+def test_texels_are_buckets_only_where_the_irradiance_is_even(atlas: LayeredAtlas, tmp_path: Path) -> None:
+    path = tmp_path / "Vase.radiance.json"
+    write_layered(path, atlas, _BAKE)
+    uneven, even = atlas.irradiance.copy(), np.full_like(atlas.irradiance, np.inf)
+    uneven[0, 0] = np.inf  # as a damaged file may hold
+    for irradiance, expected in ((uneven, uneven), (even, atlas.own.reshape(*atlas.own.shape[:2], -1))):
+        found, _ = own_texels(path, replace(atlas, irradiance=irradiance))
+        np.testing.assert_array_equal(found, expected)

@@ -6,8 +6,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
-
 from ...core.arrays import Floats
 from ...formats.containers.exr import loss_of, stored_compression
 from ...formats.image_files import layer_path
@@ -20,6 +18,6 @@ def own_texels(path: Path, atlas: LayeredAtlas) -> tuple[Floats, float]:
 
     The irradiance; where nothing is diffuse, and it is the same everywhere, the buckets of fewer texels.
     """
-    if np.ptp(atlas.irradiance.reshape(-1, 3), axis=0).max() > 0:
+    if (atlas.irradiance != atlas.irradiance[0, 0]).any():
         return atlas.irradiance, loss_of(stored_compression(layer_path(path, IRRADIANCE)))
     return atlas.own.reshape(*atlas.own.shape[:2], -1), 0.0
