@@ -21,7 +21,7 @@ import numpy as np
 import pytest
 from mathutils import Matrix
 
-from radtex_addon.bake.spec import BakeSpec, Layout
+from radtex_addon.bake.spec import BakeSpec, Kind
 from radtex_addon.core.sampler import Filter
 from radtex_addon.formats.containers.exr import read_atlas
 from radtex_addon.preview.swap import switch_on
@@ -33,13 +33,15 @@ from radtex_addon.ui.jobs.bug_report import report_of
 from radtex_addon.version import VERSION
 from radtex_addon.worker.handover import hand_over, this_program, work_folder
 from radtex_addon.worker.job import Job, State
-from radtex_addon.worker.order import Handover, Program
+from radtex_addon.worker.order import Program
 from radtex_addon.worker.orders import order_bake, order_comparison, order_export
 from radtex_addon.worker.queue import Queue
 from tests.blender import stage, worker_parent
 from tests.blender.fingerprint import differences, fingerprint
 from tests.blender.lived_in import lived_in_scene
 from tests.blender.test_swap import GLOW, NAME, PLAIN, bake_of, ball
+
+pytestmark = pytest.mark.one_blender
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
 blocks: Any = bpy.data
@@ -159,20 +161,32 @@ def test_the_scene_on_the_screen_is_baked_and_stays_what_it_was(queue: Queue, jo
     assert list(jobs.iterdir()) == []
 
 
-def test_three_wait_for_one_another_and_one_that_fails_holds_up_none(
+def test_jobs_wait_for_one_another_and_one_that_fails_or_is_cancelled_holds_up_none(
     queue: Queue, jobs: Path, out: Path
 ) -> None:
     card()
     handover = hand_over(context.scene, jobs)
-    layered = BakeSpec(texels=8, samples=1, uv_layer="UVMap", layout=Layout.LAYERED)
-    for name, spec, folder in (("Card", TINY, "one"), ("Crad", TINY, "two"), ("Card", layered, "three")):
+    other = replace(TINY, kind=Kind.INCIDENT)
+    for name, spec, folder in (
+        ("Card", TINY, "one"),
+        ("Crad", TINY, "two"),
+        ("Card", TINY, "never"),
+        ("Card", other, "three"),
+    ):
         queue.add(order_bake(handover, name, spec, out / folder))
-    assert [job.state for job in queue.snapshot()] == [State.WAITING] * 3
+    assert [job.state for job in queue.snapshot()] == [State.WAITING] * 4
     until(queue, lambda job: job.stage is not None)
-    assert [job.state for job in queue.snapshot()] == [State.RUNNING, State.WAITING, State.WAITING]
-    first, second, third = finish(queue)
+    queue.cancel(3)  # at once, as it only waits
+    assert [job.state for job in queue.snapshot()] == [
+        State.RUNNING,
+        State.WAITING,
+        State.CANCELLED,
+        State.WAITING,
+    ]
+    first, second, _, third = finish(queue)
     states = [job.state for job in (first, second, third)]
     assert states == [State.DONE, State.FAILED, State.DONE], (first.message, third.message)
+    assert not (out / "never").exists()
     assert "'Crad'" in str(second.message)
     assert "did you mean 'Card'?" in str(second.message)
     assert "\n" not in str(second.message)
@@ -188,36 +202,19 @@ def test_three_wait_for_one_another_and_one_that_fails_holds_up_none(
     assert queue.snapshot() == ()
 
 
-def test_warnings_are_told(queue: Queue, jobs: Path, out: Path) -> None:
-    bpy.ops.mesh.primitive_plane_add()
-    queue.add(order_bake(hand_over(context.scene, jobs), "Plane", TINY, out))
-    (done,) = finish(queue)
-    assert done.state is State.DONE
-    assert ["has no light" in str(warning) for warning in done.warnings] == [True]
-
-
-def test_a_comparison_and_an_export_are_worked_at_like_bakes(queue: Queue, jobs: Path, out: Path) -> None:
+def test_a_comparison_sees_the_previews_that_the_session_shows(queue: Queue, jobs: Path, out: Path) -> None:
     sidecar = bake_of(PLAIN, out / "baked")
     bpy.ops.wm.read_factory_settings(use_empty=True)
     item = ball(NAME)
-    switch_on(item, sidecar)  # of which the worker sees what the session does
+    switch_on(item, sidecar)
     eye = Eye.of_view(np.array(Matrix.Translation((0, 0, -5))), np.diag([0.5, 1.0, -0.002, 1.0]))
     handover, spec = hand_over(context.scene, jobs), ComparisonSpec(32, 1)
     queue.add(order_comparison(handover, [NAME], None, eye, spec, out / "pictures"))
-    folder = work_folder(jobs)
-    for overwrite in (False, False):
-        export = ExportSpec(Target.GLTF)
-        queue.add(order_export(folder, [(NAME, sidecar, out / "made")], export, overwrite=overwrite))
-    compared, exported, again = finish(queue)
+    (compared,) = finish(queue)
     assert compared.state is State.DONE, compared.message
     assert compared.facts["psnr"] > 30
     np.testing.assert_allclose(read_picture(Path(compared.facts["traced"]))[8, 16], GLOW, rtol=0.02)
-    assert exported.state is State.DONE, exported.message
-    assert exported.files == (out / "made",)
-    assert (out / "made" / "Ball.glb").is_file()
-    assert again.state is State.FAILED
-    assert f"{out / 'made'} is already there" in str(again.message)
-    assert [job.object for job in (compared, exported)] == [NAME, NAME]
+    assert compared.object == NAME
     assert list(jobs.iterdir()) == []
 
 
@@ -239,10 +236,6 @@ def test_an_export_that_is_killed_is_one_line_and_leaves_nothing(queue: Queue, j
 # cancelling
 
 
-def just_started(job: Job) -> bool:
-    return job.state is State.RUNNING
-
-
 def rendering(job: Job) -> bool:
     return job.stage == "capture"
 
@@ -251,7 +244,7 @@ def unwrapping(job: Job) -> bool:
     return job.stage == "unwrap"
 
 
-@pytest.mark.parametrize("moment", [just_started, unwrapping, rendering], ids=lambda moment: moment.__name__)
+@pytest.mark.parametrize("moment", [unwrapping, rendering], ids=lambda moment: moment.__name__)
 def test_cancelling_takes_two_seconds_at_most_and_leaves_nothing(
     moment: Callable[[Job], bool], queue: Queue, jobs: Path, out: Path
 ) -> None:
@@ -262,9 +255,10 @@ def test_cancelling_takes_two_seconds_at_most_and_leaves_nothing(
     spec = replace(ENDLESS, uv_layer=None) if moment is unwrapping else ENDLESS
     queue.add(order_bake(hand_over(context.scene, jobs), "Card", spec, out))
     until(queue, moment)
-    if moment is unwrapping:
-        time.sleep(0.5)  # into xatlas, a process of the worker's own
     pid = running_pid(queue)
+    if moment is unwrapping and sys.platform == "linux":
+        while len(alive_in_group(pid)) < 2:  # xatlas is a process of the worker's own
+            assert queue.advance()
     since = time.monotonic()
     queue.cancel(1)
     assert queue.snapshot()[0].cancelling
@@ -275,20 +269,6 @@ def test_cancelling_takes_two_seconds_at_most_and_leaves_nothing(
     assert not alive_in_group(pid)
     assert not finished(out)
     assert list(jobs.iterdir()) == []
-
-
-def test_a_job_that_waits_is_cancelled_at_once_and_the_others_go_on(
-    queue: Queue, jobs: Path, out: Path
-) -> None:
-    card()
-    handover = hand_over(context.scene, jobs)
-    for folder in ("one", "two"):
-        queue.add(order_bake(handover, "Card", TINY, out / folder))
-    queue.advance()
-    queue.cancel(2)
-    assert queue.snapshot()[1].state is State.CANCELLED
-    assert finish(queue)[0].state is State.DONE
-    assert not (out / "two").exists()
 
 
 def test_closing_the_queue_ends_all_and_leaves_nothing(queue: Queue, jobs: Path, out: Path) -> None:
@@ -378,28 +358,17 @@ def test_a_program_that_ends_well_and_bakes_nothing_has_failed(jobs: Path, out: 
     queue.close()
 
 
-def test_a_file_that_is_gone_is_one_line(queue: Queue, jobs: Path, out: Path) -> None:
-    folder = jobs / "gone"
-    gone = Handover(folder, folder / "room.blend", "Scene", None, "cpu", 0.0)
-    queue.add(order_bake(gone, "Card", TINY, out))
-    (failed,) = finish(queue)
-    assert failed.state is State.FAILED
-    assert str(folder) in str(str(failed.message))
-
-
 @pytest.fixture
 def room(tmp_path: Path) -> Path:
-    """Two cards in a file."""
-    for name in ("Card", "Second"):
-        card(name)
+    """A card in a file."""
+    card()
     path = tmp_path / "ein Raum.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(path), copy=True)
     return path
 
 
-def session(room: Path, jobs: Path, out: Path, name: str, samples: int, manner: str) -> subprocess.Popen[str]:
-    script = str(worker_parent.__file__)
-    command = [sys.executable, script, str(room), str(jobs), str(out), name, str(samples), manner]
+def session(room: Path, jobs: Path, out: Path, manner: str) -> subprocess.Popen[str]:
+    command = [sys.executable, str(worker_parent.__file__), str(room), str(jobs), str(out), manner]
     return subprocess.Popen(command, stdout=subprocess.PIPE, text=True, encoding="utf-8")
 
 
@@ -409,21 +378,12 @@ def worker_of(parent: subprocess.Popen[str]) -> int:
     return int(found[1])
 
 
-def test_two_blenders_bake_at_once(room: Path, jobs: Path, out: Path) -> None:
-    both = [session(room, jobs, out, name, 1, "stay") for name in ("Card", "Second")]
-    for name, parent in zip(("Card", "Second"), both, strict=True):
-        said, _ = parent.communicate(timeout=LONG)
-        assert f"done {name}: 16 x 16 texels" in said
-        assert parent.returncode == 0
-    assert {path.name for path in out.glob("*.exr")} == {"Card.radiance.exr", "Second.radiance.exr"}
-    assert list(jobs.iterdir()) == []
-
-
 @pytest.mark.skipif(sys.platform != "linux", reason="asks /proc")
 def test_a_worker_ends_with_a_parent_that_is_killed(room: Path, jobs: Path, out: Path) -> None:
-    with session(room, jobs, out, "Card", 10_000_000, "stay") as parent:
+    with session(room, jobs, out, "stay") as parent:
         pid = worker_of(parent)
-        time.sleep(4)  # into the render, or wherever a slow machine is
+        assert parent.stdout is not None
+        assert next(parent.stdout) == "capture\n"
         assert not is_gone(pid)
         parent.kill()
     give_up = time.monotonic() + 20
@@ -435,7 +395,7 @@ def test_a_worker_ends_with_a_parent_that_is_killed(room: Path, jobs: Path, out:
 
 @pytest.mark.skipif(sys.platform != "linux", reason="asks /proc")
 def test_a_session_that_ends_leaves_no_worker_and_no_folder(room: Path, jobs: Path, out: Path) -> None:
-    with session(room, jobs, out, "Card", 10_000_000, "leave") as parent:
+    with session(room, jobs, out, "leave") as parent:
         pid = worker_of(parent)
         parent.communicate(timeout=LONG)
         assert is_gone(pid)
