@@ -17,7 +17,7 @@ from radtex_addon.core.errors import InputError
 from tests.blender import stage
 from tests.blender.batch_process import QUICK, Batch, refusal
 
-pytestmark = pytest.mark.usefixtures("temporary")
+pytestmark = [pytest.mark.one_blender, pytest.mark.usefixtures("temporary")]
 context: Any = bpy.context  # to the stubs, every pointer may be None
 
 
@@ -49,12 +49,6 @@ def saved(path: Path) -> Path:
 def notes(err: str) -> list[str]:
     prefix = "radtex: note: "
     return [line.removeprefix(prefix) for line in err.splitlines() if line.startswith(prefix)]
-
-
-def test_a_collection_is_baked_with_those_in_it(blend: Path, out: Path, batch: Batch) -> None:
-    ended = batch(blend, "--collection=Things", *QUICK, "--out", out)
-    assert ended.code == 0, ended.err
-    assert sorted(path.name for path in out.glob("*.json")) == ["Ball.radiance.json", "Cup.radiance.json"]
 
 
 def test_objects_of_a_collection_can_share_an_atlas(blend: Path, out: Path, batch: Batch) -> None:

@@ -18,8 +18,10 @@ from radtex_addon.core.errors import InputError
 from radtex_addon.report.comparison_files import read_picture
 from radtex_addon.report.side_by_side import ComparisonSpec, difference
 from tests.blender import stage
-from tests.blender.batch_process import process, refusal
+from tests.blender.batch_process import process
 from tests.blender.test_swap import GLOW, PLAIN, bake_of, ball
+
+pytestmark = pytest.mark.one_blender
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
 blocks: Any = bpy.data
@@ -169,12 +171,3 @@ def test_without_options_the_batchs_folder_and_the_camera_are_looked_at() -> Non
         Path("radtex"),
     )
     assert (request.eye, request.spec) == (None, ComparisonSpec())
-
-
-def test_help_shows_every_option_and_refusals_are_one_line() -> None:
-    ended = process("compare", "--help")
-    assert (ended.code, ended.err) == (0, "")
-    flags = ("--object", "--in-scene", "--bake", "--view", "--window", "--pixels", "--samples", "--min-psnr")
-    assert [flag for flag in (*flags, "--out", "--parent-pipe") if flag not in ended.out] == []
-    assert max(len(line) for line in ended.out.splitlines()) <= 80
-    assert "which object?" in refusal(process("compare", "room.blend"))

@@ -18,7 +18,6 @@ import bpy
 import pytest
 
 from radtex_addon.bake.spec import BakeSpec, Kind
-from radtex_addon.cli import main as batch_module
 from radtex_addon.cli.export_arguments import ExportRequest, parse_export
 from radtex_addon.cli.options import ProgressStyle
 from radtex_addon.core.errors import InputError
@@ -27,7 +26,9 @@ from radtex_addon.export import web
 from radtex_addon.job import bake_object
 from radtex_addon.textures.export_spec import Arrangement, ExportSpec, Target, TextureFormat
 from tests.blender import stage
-from tests.blender.batch_process import BAKE, Outcome, process, refusal
+from tests.blender.batch_process import BAKE, Batch, Outcome, process, refusal
+
+pytestmark = pytest.mark.one_blender
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
 
@@ -72,47 +73,21 @@ def test_an_export_prints_json_lines_and_leaves_one_folder(bake: Path) -> None:
     assert done["summary"].startswith(f"Ball for gltf: {len(done['contents'])} files, ")
 
 
-def test_inside_blender_the_open_file_stays_open(
-    bake: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_inside_blender_the_open_file_stays_open(bake: Path, out: Path, batch: Batch) -> None:
     bpy.ops.mesh.primitive_cube_add()
     context.object.name = "Mine"
-    capfd.readouterr()
-    out = tmp_path / "made"
-    arguments = ["export", str(bake / "Ball.radiance.json"), "--to", "unity", "--out", str(out)]
-    assert batch_module.main(arguments, inside_blender=True) == 0
-    said, err = capfd.readouterr()
-    assert err.splitlines() == [
-        "Ball: storing textures",
-        "Ball: averaging its light",
-        "Ball: writing the mesh",
-        "Ball: packing",
-    ]
-    assert said.splitlines()[1] == f"  {out}"
-    assert [item.name for item in bpy.data.objects] == ["Mine"]
-
-
-def test_help_shows_every_option() -> None:
-    ended = process("export", "--help")
-    assert (ended.code, ended.err) == (0, "")
-    flags = (
-        "--object",
-        "--to",
-        "--scene",
-        "--format",
-        "--no-zstd",
-        "--arrangement",
-        "--levels",
-        "--limit",
-        "--out",
+    ended = batch("export", bake / "Ball.radiance.json", "--to=unity", "--out", out, inside_blender=True)
+    assert (ended.code, ended.err.splitlines()) == (
+        0,
+        [
+            "Ball: storing textures",
+            "Ball: averaging its light",
+            "Ball: writing the mesh",
+            "Ball: packing",
+        ],
     )
-    others = ("--overwrite", "--progress", "--verbose", "--help")
-    assert [flag for flag in (*flags, *others) if flag not in ended.out] == []
-    told = " ".join(ended.out.split())
-    for word in (*Target, *TextureFormat, *Arrangement):
-        assert word in told
-    assert max(len(line) for line in ended.out.splitlines()) <= 80
-    assert ended.out.startswith("usage: bake.py export DIR [DIR ...] --to TARGET [options]\n")
+    assert ended.out.splitlines()[1] == f"  {out}"
+    assert [item.name for item in bpy.data.objects] == ["Mine"]
 
 
 def test_a_request_is_what_was_said() -> None:
@@ -167,43 +142,34 @@ def test_what_is_missing_or_wrong_is_named(arguments: list[str], words: str) -> 
     ],
 )
 def test_a_refusal_is_one_line_and_leaves_nothing(
-    arguments: list[str],
-    words: str,
-    bake: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capfd: pytest.CaptureFixture[str],
+    arguments: list[str], words: str, bake: Path, monkeypatch: pytest.MonkeyPatch, batch: Batch
 ) -> None:
     monkeypatch.chdir(bake.parent)
     before = set(bake.parent.rglob("*"))
-    capfd.readouterr()
-    code = batch_module.main(["export", *arguments, "--to", "gltf", *QUIET], inside_blender=False)
-    assert words in refusal(Outcome(code, *capfd.readouterr()))
+    assert words in refusal(batch("export", *arguments, "--to", "gltf", *QUIET))
     assert set(bake.parent.rglob("*")) == before
 
 
-def test_a_truncated_atlas_is_one_line_of_the_process(bake: Path) -> None:
+def test_a_truncated_atlas_is_one_line(bake: Path, batch: Batch) -> None:
     atlas = bake / "Ball.radiance.exr"
     atlas.write_bytes(atlas.read_bytes()[:-64])
     before = set(bake.rglob("*"))
-    ended = process("export", bake / "Ball.radiance.json", "--to", "raw", *QUIET)
+    ended = batch("export", bake / "Ball.radiance.json", "--to", "raw", *QUIET)
     assert "Ball.radiance.exr is damaged" in refusal(ended)
     assert set(bake.rglob("*")) == before
 
 
 def test_a_web_page_that_was_not_built_is_missed_before_the_work(
-    bake: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+    bake: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, batch: Batch
 ) -> None:
     monkeypatch.setattr(web, "BUILT", tmp_path / "built")
-    capfd.readouterr()
-    arguments = ["export", str(bake / "Ball.radiance.json"), "--to", "web", "--progress", "bar"]
-    code = batch_module.main(arguments, inside_blender=False)
-    assert "the web page lacks index.html: build it" in refusal(Outcome(code, *capfd.readouterr()))
+    ended = batch("export", bake / "Ball.radiance.json", "--to", "web", "--progress", "bar")
+    assert "the web page lacks index.html: build it" in refusal(ended)
     assert not (bake / "Ball.web").exists()
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells what a process has loaded")
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_a_signal_while_blender_starts_is_one_line(number: signal.Signals, bake: Path) -> None:
+def test_a_signal_while_blender_starts_is_one_line(bake: Path) -> None:
     hearing = "import runpy, signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); "
     hearing += "sys.argv = sys.argv[1:]; runpy.run_path(sys.argv[0], run_name='__main__')"
     command = [sys.executable, "-c", hearing, BAKE, "export", str(bake / "Ball.radiance.json"), "--to", "raw"]
@@ -214,17 +180,18 @@ def test_a_signal_while_blender_starts_is_one_line(number: signal.Signals, bake:
         loaded = Path(f"/proc/{running.pid}/maps")
         while "/bpy/__init__" not in loaded.read_text() and running.poll() is None:
             time.sleep(0.01)
-        running.send_signal(number)
+        running.send_signal(signal.SIGINT)
         out, err = running.communicate()
         watchdog.cancel()
     assert "interrupted" in refusal(Outcome(running.returncode, out, err), code=130)
     assert set(bake.rglob("*")) == before
 
 
-def test_an_export_that_takes_more_memory_than_allowed_is_refused_before_it_begins(bake: Path) -> None:
+def test_an_export_that_takes_more_memory_than_allowed_is_refused_before_it_begins(
+    bake: Path, batch: Batch
+) -> None:
     sidecar = bake / "Ball.radiance.json"
-    refused = process("export", sidecar, "--to", "raw", "--memory", "64MB", *QUIET)
-    said = refusal(refused)
+    said = refusal(batch("export", sidecar, "--to", "raw", "--memory", "64MB", *QUIET))
     assert (
         f"an export of {sidecar} takes about 192 MiB of memory, 61 MiB are allowed: allow more (--memory)"
         in said

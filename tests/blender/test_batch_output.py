@@ -40,7 +40,7 @@ def room(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-@pytest.mark.parametrize("style", ["bar", "json", "none"])
+@pytest.mark.parametrize("style", ["bar", "json"])
 @pytest.mark.parametrize("command", ["bake", "prepare"])
 def test_no_name_drives_a_terminal(command: str, style: str, room: Path, out: Path, batch: Batch) -> None:
     words = [] if command == "bake" else [command]
@@ -70,7 +70,7 @@ def test_errors_quote_names_and_drive_nothing(room: Path, out: Path, batch: Batc
 @pytest.mark.skipif(sys.platform == "win32", reason="a shell of POSIX closes and fills outputs")
 @pytest.mark.parametrize(
     ("how", "style", "code"),
-    [(">&-", "none", 1), (">/dev/full", "json", 1), ("2>&- >/dev/full", "bar", 1), ("2>/dev/full", "bar", 0)],
+    [(">&-", "none", 1), ("2>&- >/dev/full", "bar", 1), ("2>/dev/full", "bar", 0)],
 )
 def test_a_lost_output_loses_no_bake(how: str, style: str, code: int, room: Path, out: Path) -> None:
     script = f'exec "$0" "$@" {how}'
@@ -89,9 +89,8 @@ def test_a_lost_output_loses_no_bake(how: str, style: str, code: int, room: Path
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="a shell of POSIX closes and fills outputs")
-@pytest.mark.parametrize("how", [">&-", ">/dev/full"])
-def test_help_that_cannot_be_printed_is_no_success(how: str) -> None:
-    command = ["bash", "-c", f'exec "$0" "$@" {how}', sys.executable, BAKE, "--help"]
+def test_help_that_cannot_be_printed_is_no_success() -> None:
+    command = ["bash", "-c", 'exec "$0" "$@" >/dev/full', sys.executable, BAKE, "--help"]
     ended = subprocess.run(command, capture_output=True, text=True, check=False)
     assert ended.returncode == 1
     assert ended.stderr.startswith("radtex: the standard output cannot be written (")

@@ -12,13 +12,14 @@ import bpy
 import pytest
 
 from radtex_addon.bake.spec import BakeSpec
-from radtex_addon.cli import main as batch_module
 from radtex_addon.cli.report_arguments import parse_report
 from radtex_addon.core.errors import InputError
 from radtex_addon.job import bake_object
 from radtex_addon.report.report_bake import ReportSpec
 from tests.blender import stage
-from tests.blender.batch_process import Outcome, process, refusal
+from tests.blender.batch_process import Batch, process, refusal
+
+pytestmark = pytest.mark.one_blender
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
 
@@ -76,14 +77,11 @@ def test_a_report_prints_json_lines_and_leaves_one_page(room: Path, baked: Path)
     assert room.read_bytes() == before
 
 
-def test_inside_blender_the_open_file_is_looked_at(
-    room: Path, baked: Path, page: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_inside_blender_the_open_file_is_looked_at(room: Path, baked: Path, page: Path, batch: Batch) -> None:
     bpy.ops.wm.open_mainfile(filepath=str(room))
-    capfd.readouterr()
-    arguments = ["report", str(baked / "Ball.radiance.json"), "--out", str(page), *QUICK, "--object", "Ball"]
-    assert batch_module.main(arguments, inside_blender=True) == 0
-    out, err = capfd.readouterr()
+    words = ("--out", page, *QUICK, "--object", "Ball")
+    code, out, err = batch("report", baked / "Ball.radiance.json", *words, inside_blender=True)
+    assert code == 0
     assert err.splitlines()[0] == "Ball: finding its UV layer"
     assert "Ball: path tracing" in err.splitlines()
     assert out.splitlines()[1] == f"  {page}"
@@ -91,40 +89,23 @@ def test_inside_blender_the_open_file_is_looked_at(
 
 
 def test_a_bake_below_the_least_psnr_is_reported_and_ends_with_3(
-    room: Path, baked: Path, page: Path, capfd: pytest.CaptureFixture[str]
+    room: Path, baked: Path, page: Path, batch: Batch
 ) -> None:
-    arguments = ["report", str(baked), "--scene", str(room), "--out", str(page), *QUICK, "--min-psnr", "99"]
-    capfd.readouterr()
-    assert batch_module.main([*arguments, "--progress", "json"], inside_blender=False) == 3
-    out, err = capfd.readouterr()
+    words = ("--scene", room, "--out", page, *QUICK, "--min-psnr", "99", "--progress", "json")
+    code, out, err = batch("report", baked, *words)
+    assert code == 3
     done, error = [json.loads(line) for line in out.splitlines() if line.startswith("{")][-2:]
     assert (done["event"], done["files"], page.exists()) == ("done", [str(page)], True)
     assert (error["event"], error["exit_code"]) == ("error", 3)
     assert f"Ball: {done['psnr']:.2f} dB, less than the 99 dB of --min-psnr" in err
 
 
-def test_variants_are_told_apart(
-    room: Path, baked: Path, page: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
-    capfd.readouterr()
-    arguments = ["report", str(baked), "--scene", str(room), "--out", str(page), "--variants", *QUICK]
-    assert batch_module.main(arguments, inside_blender=False) == 0
-    out, err = capfd.readouterr()
+def test_variants_are_told_apart(room: Path, baked: Path, page: Path, batch: Batch) -> None:
+    code, out, err = batch("report", baked, "--scene", room, "--out", page, "--variants", *QUICK)
+    assert code == 0
     for part in ("samples", "cells", "texels"):
         assert f"Ball, half the {part}: rendering" in err.splitlines()
     assert "halving any costs less than" in out or "First give it more " in out
-
-
-def test_help_shows_every_option_with_its_default() -> None:
-    ended = process("report", "--help")
-    assert (ended.code, ended.err) == (0, "")
-    flags = ("--object", "--scene", "--views", "--pixels", "--samples", "--variants", "--min-psnr", "--out")
-    assert [flag for flag in (*flags, "--progress", "--verbose", "--help") if flag not in ended.out] == []
-    told = " ".join(ended.out.split())
-    for name in ("views", "pixels", "samples", "device"):
-        assert f"(default: {getattr(ReportSpec(), name)})" in told
-    assert max(len(line) for line in ended.out.splitlines()) <= 80
-    assert ended.out.startswith("usage: bake.py report DIR --scene SCENE [options]\n")
 
 
 def test_a_request_is_what_was_said() -> None:
@@ -155,21 +136,18 @@ def test_what_is_missing_is_asked_for(arguments: list[str], inside: bool, words:
     ("name", "words"),
     [("nowhere", "there is no "), ("empty", "holds no bake"), ("foreign.json", "is not JSON")],
 )
-def test_what_is_no_bake_is_one_line(name: str, words: str, room: Path, tmp_path: Path) -> None:
+def test_what_is_no_bake_is_one_line(name: str, words: str, room: Path, tmp_path: Path, batch: Batch) -> None:
     (tmp_path / "empty").mkdir()
     (tmp_path / "foreign.json").write_text("mine")
-    ended = process("report", tmp_path / name, "--scene", room, *QUIET)
-    assert words in refusal(ended)
+    assert words in refusal(batch("report", tmp_path / name, "--scene", room, *QUIET))
 
 
 def test_an_object_that_is_not_in_the_scene_is_one_line_and_no_page(
-    baked: Path, tmp_path: Path, page: Path, capfd: pytest.CaptureFixture[str]
+    baked: Path, tmp_path: Path, page: Path, batch: Batch
 ) -> None:
     bpy.ops.mesh.primitive_cube_add()
     other = tmp_path / "other.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(other), copy=True)
-    capfd.readouterr()
-    arguments = ["report", str(baked), "--scene", str(other), "--out", str(page), *QUIET]
-    code = batch_module.main(arguments, inside_blender=False)
-    assert "no object 'Ball' in scene" in refusal(Outcome(code, *capfd.readouterr()))
+    ended = batch("report", baked, "--scene", other, "--out", page, *QUIET)
+    assert "no object 'Ball' in scene" in refusal(ended)
     assert not page.exists()

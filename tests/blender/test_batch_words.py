@@ -30,32 +30,47 @@ from radtex_addon.cli.report_arguments import parse_report
 from radtex_addon.core.errors import Cancelled, InputError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.job import OpenLayout
+from radtex_addon.report.report_bake import ReportSpec
 from radtex_addon.scene.demo import OBJECT
-from radtex_addon.textures.export_spec import Target
+from radtex_addon.textures.export_spec import Arrangement, Target, TextureFormat
 from radtex_addon.version import VERSION
 from tests.blender.batch_process import BAKE, process, refusal
 
 pytestmark = pytest.mark.one_blender
 
 
-def test_help_shows_every_option_with_its_default() -> None:
+HELP = {
+    "": "--object --kind --layout --uv --unwrap --padding --texels --bucket --samples --capture --seed "
+    "--device --memory --out --overwrite --save-preview --filter --no-denoise --float --compression "
+    "--progress --help --verbose --version",
+    "export": "--object --to --scene --format --no-zstd --arrangement --levels --limit --out --overwrite "
+    "--help --progress --verbose",
+    "report": "--object --scene --views --pixels --samples --variants --min-psnr --out --progress --help",
+    "compare": "--object --in-scene --bake --view --window --pixels --samples --min-psnr --out --parent-pipe",
+}
+
+
+@pytest.mark.parametrize("command", HELP)
+def test_help_shows_every_option(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as left:
+        batch_module.main([*command.split(), "--help"], inside_blender=False)
+    assert left.value.code == 0
+    told = capsys.readouterr().out
+    assert [flag for flag in HELP[command].split() if flag not in told] == []
+    assert max(len(line) for line in told.splitlines()) <= 80
+    told = " ".join(told.split())
+    if command == "export":
+        assert told.startswith("usage: bake.py export DIR [DIR ...] --to TARGET [options] ")
+        assert [word for word in (*Target, *TextureFormat, *Arrangement) if word not in told] == []
+    elif command == "report":
+        assert told.startswith("usage: bake.py report DIR --scene SCENE [options] ")
+        for name in ("views", "pixels", "samples", "device"):
+            assert f"(default: {getattr(ReportSpec(), name)})" in told
+
+
+def test_help_shows_every_default() -> None:
     ended = process("--help")
     assert (ended.code, ended.err) == (0, "")
-    flags = [
-        "--object",
-        "--kind",
-        "--layout",
-        "--uv",
-        "--unwrap",
-        "--padding",
-        "--texels",
-        "--bucket",
-        "--samples",
-        "--capture",
-    ]
-    flags += ["--seed", "--device", "--memory", "--out", "--overwrite", "--save-preview", "--filter"]
-    flags += ["--no-denoise", "--float", "--compression", "--progress", "--verbose", "--help", "--version"]
-    assert [flag for flag in flags if flag not in ended.out] == []
     told = " ".join(ended.out.split())
     default = BakeSpec()
     names = ("kind", "unwrap", "texels", "samples", "capture", "seed", "device", "compression")
@@ -70,7 +85,6 @@ def test_help_shows_every_option_with_its_default() -> None:
     ):
         assert word in told
     assert "exit codes:" in ended.out
-    assert max(len(line) for line in ended.out.splitlines()) <= 80
     assert ended.out.startswith(
         "usage: bake.py SCENE --object NAME [options]\n       bake.py demo [options]\n"
     )
@@ -111,7 +125,7 @@ def test_what_is_not_said_is_the_specs_default_and_the_layout_stays_open() -> No
 def test_what_is_said_reaches_the_spec() -> None:
     line = "--object A --object B --kind reflection --texels 9 --bucket 3 --samples 5 --uv Light"
     line += " --unwrap blender --padding 3 --seed 4 --memory 99 --float --compression dwaa --out x"
-    line += " --save-preview --filter linear --overwrite"
+    line += " --save-preview --filter linear --overwrite --capture panoramic --device cpu"
     request = parse(line.split(), inside_blender=True)
     wanted = BakeSpec(
         denoise=True,
@@ -126,6 +140,8 @@ def test_what_is_said_reaches_the_spec() -> None:
         unwrap=spec.Unwrap.BLENDER,
         padding=3,
         memory_mb=99,
+        capture=spec.CaptureMethod.PANORAMIC,
+        device="cpu",
     )
     assert request.bakes.spec == wanted
     assert (request.scene, request.bakes.objects) == (None, ("A", "B"))
@@ -197,6 +213,7 @@ def test_demo_needs_no_object_and_shows_itself() -> None:
         request = parse(["demo"], inside_blender=inside)
         assert (request.demo, request.scene, request.bakes.objects) == (True, None, (OBJECT,))
         assert (request.bakes.preview, request.bakes.overwrite) == (Filter.QUADRILINEAR, True)
+        assert request.bakes.open_layout == OpenLayout()
 
 
 # the entry
