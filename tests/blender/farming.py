@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, cast
 
 import bpy
+import OpenEXR
 
 from radtex_addon.bake.progress import finished
 from radtex_addon.bake.spec import BakeSpec
@@ -91,3 +92,17 @@ def render(folder: Path, frames: str) -> None:
 def assembled(folder: Path, out: Path | None = None) -> Assembled:
     """What the frames become."""
     return finished(assemble_steps(folder, out))
+
+
+def rewrite_frame(frame: Path, rows: int | None = None, value: float | None = None, **words: str) -> None:
+    """Write a frame again: its first rows alone, another value in its first pixel, other words."""
+    parts = OpenEXR.File(str(frame), separate_channels=True).parts
+    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+    header |= {name: parts[0].header.get(name, "") for name in ("Note", "Frame")} | words
+    channels = {}
+    for name, channel in ((name, channel) for part in parts for name, channel in part.channels.items()):
+        pixels = channel.pixels[:rows].copy()
+        if value is not None and not name.endswith("A"):
+            pixels[0, 0] = value
+        channels[name] = pixels
+    OpenEXR.File(header, channels).write(str(frame))

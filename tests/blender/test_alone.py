@@ -20,7 +20,6 @@ from radtex_addon.job.changed_bakes import BakeState, Changes, changes
 from tests.blender import stage
 from tests.blender.fingerprint import differences, fingerprint
 from tests.blender.test_job import pixels_of
-from tests.blender.ui_stage import ops, registered, settings
 
 pytestmark = pytest.mark.usefixtures("empty_file")
 context: Any = bpy.context  # to the stubs, every pointer may be None
@@ -75,6 +74,7 @@ def test_it_is_as_if_the_others_were_not_there(lights: tuple[str, ...], out: Pat
     assert np.abs(alone - among).max() > 0.5 * alone[..., :3].max()
 
 
+@pytest.mark.one_blender
 def test_neighbours_change_nothing_and_lamps_do(out: Path) -> None:
     room()
     floor(out)
@@ -91,16 +91,3 @@ def test_neighbours_change_nothing_and_lamps_do(out: Path) -> None:
 def test_a_hull_shows_other_objects() -> None:
     with pytest.raises(InputError, match="proxy shows other objects: leave the choice to bake it alone out"):
         BakeSpec(kind=Kind.PROXY, alone=True)
-
-
-def test_the_panel_bakes_each_of_several_alone(out: Path) -> None:
-    room()
-    with registered():
-        settings().directory, settings().alone = str(out), True
-        settings().atlas_layout, settings().preview = "buckets", False
-        settings().texels, settings().bucket, settings().samples = 4, 2, 1
-        for name in ("Floor", "Panel"):
-            bpy.data.objects[name].select_set(True)
-        assert ops.radtex.bake() == {"FINISHED"}
-    for name in ("Floor", "Panel"):
-        assert json.loads((out / f"{name}.radiance.json").read_text())["alone"] is True

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.blender.batch_process import BAKE, process
+from tests.blender.batch_process import BAKE, Batch
 from tests.blender.killed import digests
 from tests.blender.room import fill_room, save_room
 
@@ -60,9 +60,9 @@ def ended(begun: subprocess.Popen[str]) -> tuple[int, str]:
     return begun.returncode, said
 
 
-def test_who_comes_second_replaces_nothing(room: Path, out: Path) -> None:
+def test_who_comes_second_replaces_nothing(room: Path, out: Path, batch: Batch) -> None:
     second = stopped(room, out)
-    first = process(room, *QUICK, f"--out={out}")
+    first = batch(room, *QUICK, f"--out={out}")
     assert (first.code, first.err) == (0, "")
     before = digests(out)
     code, said = ended(second)
@@ -73,7 +73,7 @@ def test_who_comes_second_replaces_nothing(room: Path, out: Path) -> None:
     assert not (out / UNFINISHED).exists()
 
 
-def test_what_a_killed_one_has_finished_meanwhile_is_kept(room: Path, out: Path) -> None:
+def test_what_a_killed_one_has_finished_meanwhile_is_kept(room: Path, out: Path, batch: Batch) -> None:
     second = stopped(room, out)
     first = stopped(room, out)
     os.kill(first.pid, signal.SIGCONT)
@@ -86,14 +86,14 @@ def test_what_a_killed_one_has_finished_meanwhile_is_kept(room: Path, out: Path)
     assert code == 2, said
     assert f"{out / UNFINISHED} holds an unfinished bake: go on with it (--resume)" in said
     assert kept(out) == pieces
-    resumed = process(room, *QUICK, f"--out={out}", "--resume")
+    resumed = batch(room, *QUICK, f"--out={out}", "--resume")
     assert (resumed.code, resumed.err) == (0, "")
 
 
-def test_more_samples_that_another_added_meanwhile_are_not_lost(room: Path, out: Path) -> None:
-    assert process(room, *QUICK, f"--out={out}").code == 0
+def test_more_samples_that_another_added_meanwhile_are_not_lost(room: Path, out: Path, batch: Batch) -> None:
+    assert batch(room, *QUICK, f"--out={out}").code == 0
     second = stopped(room, out, "--accumulate", "--seed=2")
-    first = process(room, *QUICK, f"--out={out}", "--accumulate", "--seed=1")
+    first = batch(room, *QUICK, f"--out={out}", "--accumulate", "--seed=1")
     assert (first.code, first.err) == (0, "")
     before = digests(out)
     code, said = ended(second)
@@ -102,8 +102,8 @@ def test_more_samples_that_another_added_meanwhile_are_not_lost(room: Path, out:
     assert digests(out) == before
 
 
-def test_who_may_overwrite_does(room: Path, out: Path) -> None:
+def test_who_may_overwrite_does(room: Path, out: Path, batch: Batch) -> None:
     second = stopped(room, out, "--overwrite", "--samples=2")
-    assert process(room, *QUICK, f"--out={out}").code == 0
+    assert batch(room, *QUICK, f"--out={out}").code == 0
     assert ended(second)[0] == 0
     assert '"samples": 2' in (out / "Ball.radiance.json").read_text()

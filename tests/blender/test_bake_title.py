@@ -4,9 +4,13 @@
 
 from __future__ import annotations
 
+import pytest
+
 from radtex_addon.bake.bake_title import bake_title, variant_title
 from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.job.variants import title_of, variant_of
+
+pytestmark = pytest.mark.one_blender
 
 
 def test_a_title_has_what_tells_bakes_of_an_object_apart() -> None:

@@ -12,13 +12,12 @@ import bpy
 import numpy as np
 import pytest
 
-from radtex_addon.cli import main as batch_module
 from radtex_addon.cli.compare_arguments import parse_compare
 from radtex_addon.core.errors import InputError
 from radtex_addon.report.comparison_files import read_picture
 from radtex_addon.report.side_by_side import ComparisonSpec, difference
 from tests.blender import stage
-from tests.blender.batch_process import process
+from tests.blender.batch_process import Batch, process, refusal
 from tests.blender.test_swap import GLOW, PLAIN, bake_of, ball
 
 pytestmark = pytest.mark.one_blender
@@ -88,21 +87,21 @@ def test_a_comparison_prints_json_lines_and_leaves_three_pictures(room: Path, ba
 
 
 def test_inside_blender_the_open_file_is_looked_at_by_a_view_of_ones_own(
-    room: Path, baked: Path, out: Path, capfd: pytest.CaptureFixture[str]
+    room: Path, baked: Path, out: Path, batch: Batch
 ) -> None:
     bpy.ops.wm.open_mainfile(filepath=str(room))
     context.scene.camera = None
-    arguments = ["compare", "--object=Ball", f"--bake={baked / 'Ball.radiance.json'}", f"--out={out}"]
-    arguments += [ABOVE, FLAT, *QUICK, "--progress=none"]
-    assert batch_module.main(arguments, inside_blender=True) == 0
-    told = capfd.readouterr().out
-    assert "\nBall: 99.0 dB from path traced" in told
-    assert str(out / "Ball.difference.png") in told
+    where = (f"--bake={baked / 'Ball.radiance.json'}", f"--out={out}", ABOVE, FLAT)
+    asked = ("compare", "--object=Ball", *where, *QUICK, "--progress=none")
+    ended = batch(*asked, inside_blender=True)
+    assert ended.code == 0
+    assert ended.out.startswith("Ball: 99.0 dB from path traced")
+    assert str(out / "Ball.difference.png") in ended.out
     picture = read_picture(out / "Ball.traced.exr")
     assert picture.shape == (16, 32, 3)
     np.testing.assert_allclose(picture[8, 16], GLOW, rtol=0.02)
     np.testing.assert_allclose(picture[8, 2], 0.1, rtol=0.02)
-    assert batch_module.main(arguments, inside_blender=True) == 0, "earlier pictures are replaced"
+    assert batch(*asked, inside_blender=True).code == 0, "earlier pictures are replaced"
 
 
 @pytest.mark.parametrize(
@@ -119,28 +118,23 @@ def test_inside_blender_the_open_file_is_looked_at_by_a_view_of_ones_own(
     ],
 )
 def test_what_cannot_be_compared_is_one_line(
-    words: tuple[str, ...], message: str, room: Path, out: Path, capfd: pytest.CaptureFixture[str]
+    words: tuple[str, ...], message: str, room: Path, out: Path, batch: Batch
 ) -> None:
     arguments = [word.format(room=room) for word in words]
     if "--object" not in arguments:
         arguments += ["--object", "Ball"]
-    code = batch_module.main(["compare", *arguments, *QUICK, f"--out={out}", "--progress=none"], False)
-    said = capfd.readouterr()
-    assert (code, said.out) == (2, "")
-    assert said.err.count("\n") == 1
-    assert message in said.err
+    assert message in refusal(batch("compare", *arguments, *QUICK, f"--out={out}", "--progress=none"))
     assert not out.exists()
 
 
 def test_without_a_camera_it_names_the_options_that_give_a_view(
-    room: Path, baked: Path, out: Path, capfd: pytest.CaptureFixture[str]
+    room: Path, baked: Path, out: Path, batch: Batch
 ) -> None:
     bpy.ops.wm.open_mainfile(filepath=str(room))
     context.scene.camera = None
-    arguments = ["compare", "--object=Ball", f"--bake={baked}", f"--out={out}", *QUICK, "--progress=none"]
-    assert batch_module.main(arguments, inside_blender=True) == 2
-    said = capfd.readouterr().err
-    assert said.endswith("scene 'Scene' has no camera: add one, or give a view by --view and --window\n")
+    asked = ("compare", "--object=Ball", f"--bake={baked}", f"--out={out}", *QUICK, "--progress=none")
+    told = refusal(batch(*asked, inside_blender=True))
+    assert told.endswith("scene 'Scene' has no camera: add one, or give a view by --view and --window\n")
 
 
 @pytest.mark.parametrize(

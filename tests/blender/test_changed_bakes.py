@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -26,7 +25,7 @@ from tests.blender.batch_process import process
 from tests.blender.fingerprint import differences, fingerprint
 from tests.blender.test_job import pixels_of
 
-pytestmark = pytest.mark.usefixtures("temporary")
+pytestmark = [pytest.mark.one_blender, pytest.mark.usefixtures("temporary")]
 context: Any = bpy.context  # to the stubs, every pointer may be None
 
 SPEC = BakeSpec(texels=8, bucket=2, samples=1, uv_layer="UVMap")
@@ -136,30 +135,35 @@ OF_BALL = {a_modifier: "mesh", an_image_on_the_disk: "materials"}
 
 
 @pytest.mark.usefixtures("scene")
-@pytest.mark.parametrize("change", OF_CUP)
-def test_of_an_object_its_bake_and_its_neighbours_surroundings_have_changed(
-    change: Callable[[], None], out: Path
-) -> None:
+def test_an_object_s_own_bake_and_its_neighbours_surroundings_have_changed(out: Path) -> None:
     assert told(out) == (UNCHANGED, UNCHANGED, UNCHANGED)
-    change()
-    own = changed(OF_CUP[change])
-    assert told(out) == (SEEN, own, SEEN)
-    assert told(out, surroundings=False) == (UNCHANGED, own, UNCHANGED)
+    bpy.ops.ed.undo_push(message="as it was baked")
+    for change, part in (OF_CUP | OF_BALL).items():
+        change()
+        own, by_itself = changed(part), told(out, surroundings=False)
+        if change in OF_CUP:
+            assert told(out) == (SEEN, own, SEEN), change
+            assert by_itself == (UNCHANGED, own, UNCHANGED), change
+        else:
+            assert told(out) == (own, SEEN, SEEN), change
+            assert by_itself == (own, UNCHANGED, UNCHANGED), change
+        take_back()
+
+
+def take_back() -> None:
+    """What has changed since the last step to undo."""
+    bpy.ops.ed.undo_push(message="changed")
+    bpy.ops.ed.undo()
 
 
 @pytest.mark.usefixtures("scene")
-@pytest.mark.parametrize("change", OF_BALL)
-def test_modifiers_and_files_of_images_count(change: Callable[[], None], out: Path) -> None:
-    change()
-    assert told(out) == (changed(OF_BALL[change]), SEEN, SEEN)
-
-
-@pytest.mark.usefixtures("scene")
-@pytest.mark.parametrize("change", [a_lamp, the_world])
-def test_light_is_of_the_surroundings(change: Callable[[], None], out: Path) -> None:
-    change()
-    assert told(out) == (SEEN, SEEN, SEEN)
-    assert told(out, surroundings=False) == (UNCHANGED, UNCHANGED, UNCHANGED)
+def test_light_is_of_the_surroundings(out: Path) -> None:
+    bpy.ops.ed.undo_push(message="as it was baked")
+    for change in (a_lamp, the_world):
+        change()
+        assert told(out) == (SEEN, SEEN, SEEN), change
+        assert told(out, surroundings=False) == (UNCHANGED, UNCHANGED, UNCHANGED), change
+        take_back()
 
 
 @pytest.mark.usefixtures("scene")

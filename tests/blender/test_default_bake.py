@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -18,20 +17,20 @@ import pytest
 from radtex_addon.bake import rays
 from radtex_addon.bake.progress import Stage
 from radtex_addon.bake.spec import BakeSpec, Layout
-from radtex_addon.cli import run_bake as baking
 from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.forms.layered.files.layered_files import read_layered
 from radtex_addon.job import bake_object, bake_steps
-from radtex_addon.preview.picture import render_picture
 from radtex_addon.ui.panel import panel_state
 from radtex_addon.ui.panel.main_panel import RADTEX_PT_bake
 from radtex_addon.ui.panel.settings_panels import RADTEX_PT_light, RADTEX_PT_surface
 from tests.blender import stage
-from tests.blender.batch_process import Batch, refusal
+from tests.blender.batch_process import Batch
+from tests.blender.recorded_layout import RecordedLayout
 from tests.blender.ui_stage import ops, registered, settings
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
 QUICK = ("--uv", "UVMap", "--texels", "16", "--samples", "1", "--progress", "none")
+BEGUN = BakeSpec(uv_layer="UVMap", texels=16, samples=1, denoise=True)
 WHY = "radtex: note: 'Card' is baked in layout buckets, not layered: "
 BACK = (
     "radtex: warning: 2 triangles of 'Card' can be seen from behind, and look there as from the front: "
@@ -104,6 +103,7 @@ def test_an_object_without_anything_odd_is_layered(tmp_path: Path, out: Path, ba
     assert "texels, layered, at 1 spp" in ended.out
 
 
+@pytest.mark.one_blender
 def test_large_atlases_have_no_more_buckets_and_no_finer_maps_than_the_limits(
     card: Any, out: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -122,6 +122,7 @@ def test_large_atlases_have_no_more_buckets_and_no_finer_maps_than_the_limits(
     np.testing.assert_allclose(limited.rest.mean(axis=(0, 1)), whole.rest.mean(axis=(0, 1)), atol=0.02)
 
 
+@pytest.mark.one_blender
 def test_a_bake_in_another_layout_leaves_none_of_the_earlier_images(
     tmp_path: Path, out: Path, batch: Batch
 ) -> None:
@@ -136,7 +137,10 @@ def test_a_bake_in_another_layout_leaves_none_of_the_earlier_images(
     layered = baked()
     assert {"Card.radiance.json", "Card.radiance.own.exr", "Card.radiance.world.exr"} < layered
     assert not layered & {"Card.radiance.exr", "Card.radiance.diffuse.exr"}
-    assert baked("--layout", "buckets", "--bucket", "2") == {"Card.radiance.json", "Card.radiance.exr"}
+    refused = batch(*line[:-1], "--refresh")
+    assert "is in the layered layout, which cannot be refreshed: bake it anew in layout bu" in refused.err
+    anew = baked("--layout", "buckets", "--bucket", "2")
+    assert anew == {"Card.radiance.json", "Card.radiance.exr"}, "the advice works"
 
 
 def test_leaves_keep_their_outline(card: Any, tmp_path: Path, out: Path, batch: Batch) -> None:
@@ -158,20 +162,14 @@ def test_a_curtain_lets_a_quarter_through(card: Any, tmp_path: Path, out: Path, 
     assert alpha_of(out) == pytest.approx(0.75, abs=0.01)
 
 
-@pytest.mark.parametrize(
-    ("line", "words"),
-    [
-        ("--layer base", "the layered layout has no layers"),
-        ("--bucket 4", "the layered layout chooses its cells itself, 14 or fewer, not 4"),
-    ],
-)
-def test_a_line_says_why_and_json_too(line: str, words: str, tmp_path: Path, out: Path, batch: Batch) -> None:
+@pytest.mark.one_blender
+def test_a_line_says_why_and_json_too(tmp_path: Path, out: Path, batch: Batch) -> None:
     blend = saved(tmp_path)
-    ended = batch(blend, "--object", "Card", *QUICK, *line.split(), "--out", out)
+    ended = batch(blend, "--object", "Card", *QUICK, "--bucket", "4", "--out", out)
     assert ended.code == 0
-    assert ended.err.startswith(WHY + words)
+    assert ended.err.startswith(f"{WHY}the layered layout chooses its cells itself, 14 or fewer, not 4")
     assert ended.err.count("\n") == 1
-    again = (*QUICK, *line.split(), "--progress", "json", "--overwrite")
+    again = (*QUICK, "--bucket", "4", "--progress", "json", "--overwrite")
     events = [
         json.loads(line) for line in batch(blend, "--object", "Card", *again, "--out", out).out.splitlines()
     ]
@@ -181,48 +179,27 @@ def test_a_line_says_why_and_json_too(line: str, words: str, tmp_path: Path, out
     assert events[-1]["layout"] == "buckets"
 
 
-def test_a_layout_that_was_named_is_refused(tmp_path: Path, out: Path, batch: Batch) -> None:
+@pytest.mark.one_blender
+def test_what_was_begun_is_resumed_without_its_layout(tmp_path: Path, out: Path, batch: Batch) -> None:
     blend = saved(tmp_path)
-    line = ("--layout", "layered", "--layer", "base")
-    refusal(batch(blend, "--object", "Card", *QUICK, *line, "--out", out))
-    assert not out.exists()
-
-
-def test_what_has_no_surface_is_warned_of_in_the_layout_that_was_named(
-    card: Any, tmp_path: Path, out: Path, batch: Batch
-) -> None:
-    card.data.materials[0] = smoke()
-    ended = batch(saved(tmp_path), "--object", "Card", *QUICK, "--layout", "layered", "--out", out)
-    assert ended.code == 0
-    assert "object 'Card' will look like a solid surface in the layered layout: " in ended.err
-    assert "its material 'Smoke' has a volume" in ended.err
-    assert "choose layout buckets (--layout buckets)" in ended.err
-
-
-@pytest.mark.parametrize(
-    "spec",
-    [
-        BakeSpec(layout=Layout.LAYERED, uv_layer="UVMap", texels=16, samples=1),
-        BakeSpec(uv_layer="UVMap", texels=16, samples=1, denoise=True),
-    ],
-    ids=["default", "buckets"],
-)
-def test_what_was_begun_is_resumed_without_its_layout(
-    spec: BakeSpec, tmp_path: Path, out: Path, batch: Batch
-) -> None:
-    blend = saved(tmp_path)
-    steps = bake_steps(context.scene, "Card", spec, out)
-    next(step for step in steps if step.stage is Stage.CAPTURE and step.done)
-    steps.close()
+    begin(out)
     ended = batch(blend, "--object", "Card", *QUICK, "--resume", "--out", out)
-    assert (ended.code, ended.err) == (0, BACK if spec.form.backs else "")
+    assert (ended.code, ended.err) == (0, "")
     whole = out.parent / "whole"
-    bake_object(context.scene, "Card", spec, whole)
+    bake_object(context.scene, "Card", BEGUN, whole)
     assert {path.name: path.read_bytes() for path in out.iterdir()} == {
         path.name: path.read_bytes() for path in whole.iterdir()
     }
 
 
+def begin(out: Path) -> None:
+    """Leave an unfinished bake in buckets."""
+    steps = bake_steps(context.scene, "Card", BEGUN, out)
+    next(step for step in steps if step.stage is Stage.CAPTURE and step.done)
+    steps.close()
+
+
+@pytest.mark.one_blender
 def test_what_is_there_is_accumulated_in_its_layout(tmp_path: Path, out: Path, batch: Batch) -> None:
     blend = saved(tmp_path)
     named = ("--layout", "buckets", "--bucket", "4", "--no-denoise")
@@ -232,32 +209,15 @@ def test_what_is_there_is_accumulated_in_its_layout(tmp_path: Path, out: Path, b
         assert (ended.code, ended.err) == (0, "")
     facts = read_buckets(out / "Card.radiance.json")[1]
     assert (facts.bucket, facts.samples) == (4, 2)
-    assert batch(blend, "--object", "Card", *QUICK, "--overwrite-any", "--out", out).code == 0
-    assert batch(blend, "--object", "Card", *QUICK, "--accumulate", "--out", out).code == 0
-    assert read_layered(out / "Card.radiance.json")[1].bake.samples == 2
-    line = refusal(batch(blend, "--object", "Card", *QUICK, "--refresh", "--out", out))
-    assert "is in the layered layout, which cannot be refreshed: bake it anew in layout buckets" in line
-    anew = (*QUICK, "--layout", "buckets", "--overwrite-any")
-    assert batch(blend, "--object", "Card", *anew, "--out", out).code == 0, "the advice works"
 
 
+@pytest.mark.one_blender
 def test_a_farm_gets_buckets_and_says_why(tmp_path: Path, out: Path, batch: Batch) -> None:
     prepare = ("prepare", saved(tmp_path), "--object", "Card", *QUICK, "--out", out)
     ended = batch(*prepare)
     assert (ended.code, ended.err) == (0, f"{WHY}a farm renders no other\n")
     ended = batch(*prepare, "--layout", "buckets", "--overwrite")
     assert (ended.code, ended.err) == (0, "")
-
-
-def test_the_demo_is_layered(out: Path, batch: Batch, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(baking, "render_picture", partial(render_picture, pixels=32, samples=2))
-    small = ("--texels", 64, "--samples", 1, "--unwrap", "blender", "--progress", "none")
-    ended = batch("demo", *small, "--out", out)
-    assert ended.code == 0
-    assert [line[:40] for line in ended.err.splitlines()] == ["radtex: warning: the map of 'Suzanne' co"]
-    assert len(list(out.glob("Suzanne.radiance.*.exr"))) >= 5
-    others = {path.name for path in out.iterdir() if path.suffix != ".exr"}
-    assert others == {f"Suzanne.{end}" for end in ("radiance.json", "preview.blend", "preview.png")}
 
 
 @pytest.fixture
@@ -294,12 +254,10 @@ def test_the_panel_says_what_an_automatic_layout_comes_to(panel: Any, card: Any)
     assert told() == ""
 
 
+@pytest.mark.one_blender
 def test_the_panel_goes_on_in_the_layout_that_was_begun(panel: Any, out: Path) -> None:
     panel.uv_layer, panel.texels, panel.samples, panel.preview = "UVMap", 16, 1, False
-    spec = BakeSpec(uv_layer="UVMap", texels=16, samples=1, denoise=True)
-    steps = bake_steps(context.scene, "Card", spec, out)
-    next(step for step in steps if step.stage is Stage.CAPTURE and step.done)
-    steps.close()
+    begin(out)
     found = panel_state.refresh(context.scene, context.view_layer)
     assert (found.next, found.layout) == (panel_state.Next.RESUME, "Buckets, 8 cells")
     assert ops.radtex.bake(resume=True) == {"FINISHED"}
@@ -322,32 +280,8 @@ def test_the_button_bakes_each_object_in_its_layout(
     assert said.count("not layered: its material 'Smoke' has a volume") == 1
 
 
-class Drawn:
-    """Takes what a panel draws, and keeps its labels and settings."""
-
-    def __init__(self) -> None:
-        self.labels: list[str] = []
-        self.settings: list[str] = []
-
-    def label(self, *, text: str, **_: object) -> None:
-        self.labels.append(text)
-
-    def prop(self, _: object, name: str, *__: object, **___: object) -> None:
-        self.settings.append(name)
-
-    prop_search = prop
-
-    def operator(self, *_: object, **__: object) -> Drawn:
-        return self
-
-    def column(self, **_: object) -> Drawn:
-        return self
-
-    row = box = split = column
-
-
-def drawn(panel: type) -> Drawn:
-    layout = Drawn()
+def drawn(panel: type) -> RecordedLayout:
+    layout = RecordedLayout()
     panel.draw(SimpleNamespace(layout=layout), context)  # type: ignore[attr-defined]  # every panel draws
     return layout
 
@@ -358,10 +292,12 @@ def test_the_panel_draws_the_line_and_no_setting_of_a_layout_that_was_not_chosen
     card.data.materials[0] = smoke()
     told()
     light, surface = drawn(RADTEX_PT_light), drawn(RADTEX_PT_surface)
-    assert "Buckets, 8 cells. Its material 'Smoke' has a volume" in " ".join(light.labels)
+    assert "Buckets, 8 cells. Its material 'Smoke' has a volume" in " ".join(light.texts)
     assert "atlas_layout" in light.settings
     assert {"source", "split"} <= set(surface.settings)
     panel.atlas_layout = "layered"
     told()
-    assert "Buckets, 8 cells" not in " ".join(drawn(RADTEX_PT_light).labels)
-    assert "will look like a solid surface" in " ".join(drawn(RADTEX_PT_bake).labels)
+    assert "Buckets, 8 cells" not in " ".join(drawn(RADTEX_PT_light).texts)
+    told_in_panel = " ".join(drawn(RADTEX_PT_bake).texts)
+    assert "will look like a solid surface in the layered layout: " in told_in_panel
+    assert "its material 'Smoke' has a volume" in told_in_panel

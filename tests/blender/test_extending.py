@@ -15,6 +15,8 @@ import pytest
 
 from tests.examples.extended import ROOT, add_form, add_kind, summary
 
+pytestmark = pytest.mark.one_blender
+
 BAKE = """
 import json, sys
 from pathlib import Path

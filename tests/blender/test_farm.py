@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Any
 
 import bpy
-import OpenEXR
 import pytest
 
 from radtex_addon.bake.checkpoint import Checkpoint
@@ -27,8 +26,8 @@ from radtex_addon.farm.frame_list import frame_list
 from radtex_addon.farm.prepare_farm import prepare_steps
 from radtex_addon.formats.containers.exr import read_stamps
 from radtex_addon.job import bake_object
-from tests.blender.batch_process import process, refusal
-from tests.blender.farming import BOX, assembled, build_moving_scene, prepared, render
+from tests.blender.batch_process import Batch, refusal
+from tests.blender.farming import BOX, assembled, build_moving_scene, prepared, render, rewrite_frame
 from tests.blender.killed import digests
 
 SPEC = BakeSpec(texels=16, bucket=4, samples=1, seed=3, sheet=16, layers=(Layer.DIFFUSE,), denoise=True)
@@ -106,6 +105,7 @@ def test_every_frame_bears_its_job_and_number(rendered: Rendered) -> None:
         assert (stamps["Note"], stamps["Frame"]) == (f"RadTex job {job}", str(number))
 
 
+@pytest.mark.one_blender
 def test_all_bad_frames_are_named_at_once_and_what_renders_them(farm: Path, out: Path) -> None:
     frames = farm / "frames"
     (frames / "0001.exr").unlink()
@@ -129,11 +129,11 @@ def test_all_bad_frames_are_named_at_once_and_what_renders_them(farm: Path, out:
 
 
 def _foreign(frame: Path) -> None:
-    _with_header(frame, Note="RadTex job of somebody else")
+    rewrite_frame(frame, Note="RadTex job of somebody else")
 
 
 def _unstamped(frame: Path) -> None:
-    _with_header(frame, Note="", Frame="")
+    rewrite_frame(frame, Note="", Frame="")
 
 
 def _scratched(frame: Path) -> None:
@@ -144,57 +144,40 @@ def _scratched(frame: Path) -> None:
 
 
 def _small(frame: Path) -> None:
-    _with_header(frame, rows=4)
+    rewrite_frame(frame, rows=4)
 
 
 def _nan(frame: Path) -> None:
-    _with_header(frame, value=float("nan"))
+    rewrite_frame(frame, value=float("nan"))
 
 
 def _text(frame: Path) -> None:
     frame.write_text("no picture")
 
 
-def _with_header(frame: Path, rows: int | None = None, value: float | None = None, **words: str) -> None:
-    """Write a frame again, in one part, with some of it changed."""
-    parts = OpenEXR.File(str(frame), separate_channels=True).parts
-    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
-    header |= {name: parts[0].header.get(name, "") for name in ("Note", "Frame")} | words
-    channels = {}
-    for name, channel in ((name, channel) for part in parts for name, channel in part.channels.items()):
-        pixels = channel.pixels[:rows].copy()
-        pixels[0, 0] = pixels[0, 0] if value is None else value
-        channels[name] = pixels
-    OpenEXR.File(header, channels).write(str(frame))
+HARMS: list[tuple[Callable[[Path], None], str]] = [
+    (_foreign, "of another job"),
+    (_unstamped, "of another job"),
+    (_scratched, "damaged"),
+    (_small, "damaged"),
+    (_nan, "not numbers"),
+    (_text, "damaged"),
+]
 
 
-@pytest.mark.parametrize(
-    ("harm", "fault"),
-    [
-        (_foreign, "of another job"),
-        (_unstamped, "of another job"),
-        (_scratched, "damaged"),
-        (_small, "damaged"),
-        (_nan, "not numbers"),
-        (_text, "damaged"),
-    ],
-)
-def test_a_bad_frame_is_told_from_others(
-    harm: Callable[[Path], None], fault: str, farm: Path, out: Path
-) -> None:
-    harm(farm / "frames" / "0002.exr")
-    with pytest.raises(BakeError, match=rf"1 of 4 frames cannot be used: 2 {fault}.*-f 2 "):
-        assembled(farm, out)
-    assert not out.exists()
+@pytest.mark.one_blender
+def test_a_bad_frame_is_told_from_others(farm: Path, out: Path) -> None:
+    frame = farm / "frames" / "0002.exr"
+    whole = frame.read_bytes()
+    for harm, fault in HARMS:
+        frame.write_bytes(whole)
+        harm(frame)
+        with pytest.raises(BakeError, match=rf"1 of 4 frames cannot be used: 2 {fault}.*-f 2 "):
+            assembled(farm, out)
+        assert not out.exists()
 
 
-def test_frames_of_another_farm_are_foreign(rendered: Rendered, tmp_path: Path) -> None:
-    other = prepared(build_moving_scene(tmp_path), SPEC, tmp_path / "again").files.folder
-    shutil.copytree(rendered.farm / "frames", other / "frames", dirs_exist_ok=True)
-    with pytest.raises(BakeError, match=r"4 of 4 frames cannot be used: 1\.\.4 of another job"):
-        assembled(other)
-
-
+@pytest.mark.one_blender
 @pytest.mark.parametrize("name", ["plan.npz", "preview.blend", "farm.json"])
 def test_a_damaged_farm_is_named(name: str, farm: Path, out: Path) -> None:
     (farm / name).write_bytes(b"{}")
@@ -207,6 +190,7 @@ def test_a_folder_without_a_farm_is_named(out: Path) -> None:
         assembled(out)
 
 
+@pytest.mark.one_blender
 def test_nothing_is_overwritten_unasked(rendered: Rendered, out: Path) -> None:
     assembled(rendered.farm, out)
     with pytest.raises(InputError, match="overwrite it"):
@@ -225,6 +209,7 @@ def test_nothing_is_overwritten_unasked(rendered: Rendered, out: Path) -> None:
     finished(assemble_steps(rendered.farm, out, overwrite=True, overwrite_any=True))
 
 
+@pytest.mark.one_blender
 def test_an_assembly_that_was_killed_is_simply_run_again(
     rendered: Rendered, tmp_path: Path, out: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -244,6 +229,7 @@ def test_an_assembly_that_was_killed_is_simply_run_again(
     assert digests(out) == digests(whole)
 
 
+@pytest.mark.one_blender
 def test_an_earlier_farm_stays_until_the_new_one_has_its_place(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -272,31 +258,19 @@ def test_an_earlier_farm_stays_until_the_new_one_has_its_place(
     assert [path.name for path in (tmp_path / "out").iterdir()] == [farm.folder.name]
 
 
-def test_the_batch_prepares_and_names_what_is_missing(tmp_path: Path) -> None:
+@pytest.mark.one_blender
+def test_the_batch_prepares_and_names_what_is_missing(tmp_path: Path, batch: Batch) -> None:
     build_moving_scene(tmp_path)
     blend = tmp_path / "a scene.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(blend))
-    options = (
-        "--object",
-        BOX,
-        "--layout",
-        "buckets",
-        "--texels",
-        16,
-        "--bucket",
-        4,
-        "--samples",
-        1,
-        "--sheet",
-        16,
-    )
-    done = process("prepare", blend, *options, "--out", tmp_path / "out", "--progress", "json")
+    options = ("--object", BOX, "--layout=buckets", "--texels=16", "--bucket=4", "--samples=1", "--sheet=16")
+    done = batch("prepare", blend, *options, "--out", tmp_path / "out", "--progress", "json")
     assert done.code == 0, done.err
     event = json.loads(done.out.splitlines()[-1])
     farm = Path(event["files"][0])
     assert farm.name == f"{BOX}.radiance.radtex-farm"
     assert sorted(path.name for path in (tmp_path / "out").iterdir()) == [farm.name]
-    said = refusal(process("assemble", farm, "--progress", "none"), code=1)
+    said = refusal(batch("assemble", farm, "--progress", "none"), code=1)
     count = event["frames"][1]
     assert f"{count} of {count} frames cannot be used: 1..{count} missing" in said
     assert "blender -b" in said

@@ -19,6 +19,8 @@ from radtex_addon.farm.self_contained import pack_files
 from radtex_addon.scene.checks.outside import check_outside_files
 from tests.blender import stage
 
+pytestmark = pytest.mark.one_blender
+
 _SECRET = b"root:x:0:0:root:/root:/bin/bash\n"
 _PNG = b"\x89PNG\r\n\x1a\n"
 

@@ -22,7 +22,7 @@ from radtex_addon.core.errors import BakeError, FormatError, RadTexError
 from radtex_addon.formats.disk.file_digest import digest
 from radtex_addon.job import bake_object
 from tests.blender import stage
-from tests.blender.farming import assembled, prepared, render
+from tests.blender.farming import assembled, prepared, render, rewrite_frame
 
 pytestmark = pytest.mark.one_blender
 
@@ -174,23 +174,9 @@ def test_a_pipe_in_a_farm_is_not_waited_for(name: str, farm: Path, out: Path) ->
         assembled(farm, out)
 
 
-def _rewritten(frame: Path, value: float | None = None, **words: str) -> None:
-    """Write a frame again with another value in its first pixel, or other words in its header."""
-    parts = OpenEXR.File(str(frame), separate_channels=True).parts
-    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
-    header |= {name: parts[0].header.get(name, "") for name in ("Note", "Frame")} | words
-    channels = {}
-    for name, channel in ((name, channel) for part in parts for name, channel in part.channels.items()):
-        pixels = channel.pixels.copy()
-        if value is not None and not name.endswith("A"):
-            pixels[0, 0] = value
-        channels[name] = pixels
-    OpenEXR.File(header, channels).write(str(frame))
-
-
 @pytest.mark.parametrize("stamp", ["9" * 5000, "-1", "1e9", "٣", "²", "1" * 40])
 def test_a_stamp_that_is_no_frames_number_is_another_frames(stamp: str, farm: Path, out: Path) -> None:
-    _rewritten(farm / "frames" / "0001.exr", Frame=stamp)
+    rewrite_frame(farm / "frames" / "0001.exr", Frame=stamp)
     shutil.copy(farm / "frames" / "0001.exr", farm / "frames" / "copy.exr")
     with pytest.raises(BakeError, match=r"1 of \d frames? cannot be used: 1 another frame's picture"):
         assembled(farm, out)
@@ -200,7 +186,7 @@ def test_a_stamp_that_is_no_frames_number_is_another_frames(stamp: str, farm: Pa
 def test_infinite_light_in_a_frame_is_taken_with_a_warning(
     value: float, farm: Path, out: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
-    _rewritten(farm / "frames" / "0001.exr", value)
+    rewrite_frame(farm / "frames" / "0001.exr", value=value)
     assert assembled(farm, out).result.clamped > 0
     assert "frames 1 show infinite light: the greatest value that the file holds" in caplog.text
     pixels = OpenEXR.File(str(out / f"{_BOX}.radiance.exr")).channels()["RGBA"].pixels

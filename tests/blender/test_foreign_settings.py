@@ -75,20 +75,6 @@ def test_a_view_layers_own_world_is_the_scenes() -> None:
     assert (context.scene.world, context.view_layer.world_override) == (own, other)
 
 
-def test_the_layered_layout_under_a_view_layers_own_world_is_that_under_the_world(out: Path) -> None:
-    lit_cube("ShaderNodeBsdfAnisotropic", floor=False)
-    dim, bright = context.scene.world, stage.world((1, 0.5, 0.2))
-    found = []
-    for world, override in ((bright, None), (dim, bright)):
-        context.scene.world, context.view_layer.world_override = world, override
-        result = bake_object(context.scene, "Body", LAYERED, out, overwrite=True)
-        found.append(read_layered(result.files.sidecar)[0])
-    one, other = found
-    np.testing.assert_array_equal(other.around.world.levels[0], one.around.world.levels[0])
-    np.testing.assert_array_equal(other.materials[0].weight, one.materials[0].weight)
-    np.testing.assert_array_equal(other.rest, one.rest)
-
-
 def test_the_layered_layout_knows_an_objects_random_number(out: Path) -> None:
     """Cycles makes it of the object's name: the copy that tells where paths end must have the same."""
     body = lit_cube("ShaderNodeEmission", floor=False)

@@ -22,7 +22,7 @@ from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.job import bake_object
 from radtex_addon.prepare.unwrapping import Unwraps
 from tests.blender import stage
-from tests.blender.batch_process import process
+from tests.blender.batch_process import Batch
 from tests.blender.fingerprint import differences, fingerprint
 
 pytestmark = pytest.mark.usefixtures("temporary")
@@ -115,36 +115,29 @@ def test_a_mesh_with_other_faces_is_unwrapped_anew_and_told(
     assert "object 'Ball' has other faces at frame 1 than at 5" in caplog.text
 
 
-def test_the_batch_bakes_frames_and_goes_on_with_those_that_lack(tmp_path: Path) -> None:
+@pytest.mark.one_blender
+def test_the_batch_bakes_frames_and_goes_on_with_those_that_lack(
+    tmp_path: Path, out: Path, batch: Batch
+) -> None:
     growing_ball()
     blend = tmp_path / "ball.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(blend))
-    out = tmp_path / "out"
-    options = [
-        "--object=Ball",
-        "--layout=buckets",
-        "--texels=24",
-        "--bucket=4",
-        "--samples=1",
-        "--padding=1",
-        f"--out={out}",
-    ]
-    asked = [str(blend), *options, "--frames=2,4-5", "--progress=json"]
-    done = process(*asked)
+    small = ("--layout=buckets", "--texels=24", "--bucket=4", "--samples=1", "--padding=1")
+    asked = (blend, "--object=Ball", *small, f"--out={out}", "--frames=2,4-5", "--progress=json")
+    done = batch(*asked)
     assert done.code == 0, done.err
     names = [f"Ball-000{frame}.radiance.json" for frame in (2, 4, 5)]
     assert sorted(path.name for path in out.glob("*.json")) == names
     assert "Ball, frame 4 (2 of 3)" in done.out
-    first = (out / names[0]).stat().st_mtime_ns
-    atlas = (out / "Ball-0005.radiance.exr").read_bytes()
-    (out / names[2]).unlink()
-    (out / "Ball-0005.radiance.exr").unlink()
-    again = process(*asked, "--resume")
+    first, atlas = (out / names[0]).stat().st_mtime_ns, out / "Ball-0005.radiance.exr"
+    light = atlas.read_bytes()
+    for path in (out / names[2], atlas):
+        path.unlink()
+    again = batch(*asked, "--resume")
     assert again.code == 0, again.err
     assert (out / names[0]).stat().st_mtime_ns == first, "a finished frame is baked again"
-    assert (out / "Ball-0005.radiance.exr").read_bytes() == atlas
-    assert read_sidecar(out / names[2]).frame == 5
-    refused = process(*asked)
+    assert (atlas.read_bytes(), read_sidecar(out / names[2]).frame) == (light, 5)
+    refused = batch(*asked)
     assert refused.code == 2
     assert "Ball-0002.radiance" in refused.err
 
@@ -160,6 +153,7 @@ def test_frames_are_read_from_lists_and_ranges() -> None:
     assert {spec.unwrap_at for spec in named.bakes.specs(context.scene)} == {None}
 
 
+@pytest.mark.one_blender
 @pytest.mark.parametrize(
     ("words", "complaint"),
     [

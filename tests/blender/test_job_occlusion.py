@@ -62,6 +62,12 @@ def ambient(result: BakeResult) -> tuple[Floats, Floats]:
     return pixels[..., :3].astype(float), pixels[..., 3].astype(float)
 
 
+def share(kind: str, out: Path) -> float:
+    """How much of the sky the floor's bake finds open."""
+    result = bake(kind, out)
+    return float(1 - bits(result).mean()) if kind == "shadow" else float(ambient(result)[1].mean())
+
+
 # shadow
 
 
@@ -86,6 +92,7 @@ def test_bits_agree_with_rays_that_blender_casts(out: Path) -> None:
     assert 0.1 < expected.mean() < 0.9
 
 
+@pytest.mark.one_blender
 def test_a_texel_takes_as_many_bytes_as_it_has_words(out: Path) -> None:
     floor()
     for cells, count in ((4, 4), (8, 8), (16, 32)):
@@ -103,6 +110,7 @@ def test_a_texel_takes_as_many_bytes_as_it_has_words(out: Path) -> None:
         assert facts["layout"] == "buckets"
 
 
+@pytest.mark.one_blender
 def test_gutters_hold_the_nearest_texels_bits(out: Path) -> None:
     """Two islands with room between them, one of them under a roof."""
     bpy.ops.mesh.primitive_cube_add(size=1)
@@ -144,22 +152,18 @@ def test_what_casts_no_shadow_is_not_in_the_way_and_what_is_only_hidden_is(out: 
     floor()
     item = roof()
 
-    def share(folder: str) -> float:
-        result = bake(kind, out / folder)
-        return float(1 - bits(result).mean()) if kind == "shadow" else float(ambient(result)[1].mean())
-
-    dark = share("plain")
+    dark = share(kind, out / "plain")
     assert dark < 0.2
     for name in ("visible_camera", "visible_diffuse", "visible_glossy"):
         setattr(item, name, False)
-    assert share("hidden") == dark
+    assert share(kind, out / "hidden") == dark
     item.visible_camera = True
     item.is_holdout = True
-    assert share("holdout") == dark
+    assert share(kind, out / "holdout") == dark
     item.is_holdout, item.is_shadow_catcher = False, True
-    assert share("catcher") == dark
+    assert share(kind, out / "catcher") == dark
     item.is_shadow_catcher, item.visible_shadow = False, False
-    assert share("casts none") == 1.0
+    assert share(kind, out / "casts none") == 1.0
 
 
 @pytest.mark.parametrize("kind", ["shadow", "ao"])
@@ -173,15 +177,11 @@ def test_instances_follow_their_object_and_their_instancer(out: Path, kind: str)
     instancer.instance_type, instancer.instance_collection = "COLLECTION", apart
     context.scene.collection.objects.link(instancer)
 
-    def share(folder: str) -> float:
-        result = bake(kind, out / folder)
-        return float(1 - bits(result).mean()) if kind == "shadow" else float(ambient(result)[1].mean())
-
     for owner in (item, instancer):
         owner.visible_camera = False
-        assert share(f"{owner.name} hidden") < 0.2
+        assert share(kind, out / f"{owner.name} hidden") < 0.2
         owner.visible_camera, owner.visible_shadow = True, False
-        assert share(f"{owner.name} casts none") == 1.0
+        assert share(kind, out / f"{owner.name} casts none") == 1.0
         owner.visible_shadow = True
 
 
@@ -195,9 +195,7 @@ def test_collections_that_camera_rays_pass_by_are_in_the_way(out: Path, kind: st
     context.scene.collection.objects.unlink(item)
     for flag in ("indirect_only", "holdout"):
         setattr(context.view_layer.layer_collection.children["Apart"], flag, True)
-        result = bake(kind, out / flag)
-        share = 1 - bits(result).mean() if kind == "shadow" else ambient(result)[1].mean()
-        assert share < 0.2
+        assert share(kind, out / flag) < 0.2
         setattr(context.view_layer.layer_collection.children["Apart"], flag, False)
 
 
@@ -212,6 +210,7 @@ def test_lamps_worlds_and_volumes_of_the_world_block_nothing(out: Path) -> None:
     np.testing.assert_array_equal(ambient(bake("ao", out))[1], 1)
 
 
+@pytest.mark.one_blender
 def test_what_a_smooth_normal_sends_below_its_facet_is_blocked(out: Path) -> None:
     bpy.ops.mesh.primitive_uv_sphere_add(segments=8, ring_count=6)
     bpy.ops.object.shade_smooth()
@@ -257,6 +256,7 @@ def test_nothing_of_the_users_is_written_not_even_while_it_renders(out: Path) ->
     assert set(flags) == {(False, True, True)}
 
 
+@pytest.mark.one_blender
 def test_the_same_bake_has_the_same_bits(out: Path) -> None:
     floor()
     roof(shader="ShaderNodeBsdfPrincipled", Alpha=0.5)
@@ -281,6 +281,7 @@ def test_the_open_is_one_and_the_buried_is_nothing(out: Path) -> None:
     np.testing.assert_array_equal(bent, np.broadcast_to([0, 0, 1], bent.shape))
 
 
+@pytest.mark.one_blender
 @pytest.mark.parametrize("slant", [0, 30])
 def test_a_long_wall_takes_its_known_share(out: Path, slant: float) -> None:
     """Along a wall of height h, at the distance d: 1 - (1 - d / sqrt(d² + h²)) / 2."""
@@ -311,6 +312,7 @@ def test_a_long_wall_takes_its_known_share(out: Path, slant: float) -> None:
         np.testing.assert_allclose(bent[:, column, 1].mean(), 0, atol=0.01)
 
 
+@pytest.mark.one_blender
 @pytest.mark.parametrize("samples", [4, 5])
 def test_what_is_farther_than_the_distance_counts_as_open(out: Path, samples: int) -> None:
     """Under a roof at height h, directions steeper than cos = h / D are blocked: (h / D)² is open."""
@@ -327,6 +329,7 @@ def test_what_is_farther_than_the_distance_counts_as_open(out: Path, samples: in
         assert result.paths == result.covered_texels * rays
 
 
+@pytest.mark.one_blender
 def test_a_high_wall_takes_the_known_share_of_what_is_near(out: Path) -> None:
     """At the distance d from it, rays with x above c = d / D: (acos(c) - c sqrt(1 - c²)) / pi."""
     bpy.ops.mesh.primitive_grid_add(x_subdivisions=1, y_subdivisions=1, size=2)
@@ -346,6 +349,7 @@ def test_a_high_wall_takes_the_known_share_of_what_is_near(out: Path) -> None:
         assert (bent[:, column, 0] > 0.01).all() == (c < 1)
 
 
+@pytest.mark.one_blender
 def test_near_the_same_bake_has_the_same_bits_and_hidden_things_block(out: Path) -> None:
     floor()
     item = roof()
@@ -371,6 +375,7 @@ def test_the_file_is_one_pixel_a_texel(out: Path) -> None:
 # bad input
 
 
+@pytest.mark.one_blender
 @pytest.mark.parametrize(
     ("kind", "options", "said"),
     [
@@ -396,16 +401,12 @@ def test_a_shadow_sends_one_ray_a_cell_whatever_is_asked() -> None:
     assert BakeSpec(kind="ao", samples=64).samples == 64  # type: ignore[arg-type]
 
 
-def test_a_script_may_remove_an_object_and_bake_at_once(out: Path) -> None:
+def test_a_script_may_remove_an_object_and_bake_at_once_and_nobody_is_warned_of_darkness(out: Path) -> None:
     floor()
     item = roof()
     context.view_layer.update()
     bpy.data.objects.remove(item)
     assert not bits(bake("shadow", out)).any()
-
-
-def test_nobody_is_warned_of_darkness(out: Path) -> None:
-    floor()
     for kind in ("shadow", "ao"):
         spec = BakeSpec(kind=kind)  # type: ignore[arg-type]
         assert check_request(context.scene, "Floor", spec, out, False, False) == []

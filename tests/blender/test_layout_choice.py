@@ -22,6 +22,8 @@ from radtex_addon.forms.layered import bake as layered
 from radtex_addon.job import Choice, OpenLayout, bake_object, choose_layout
 from tests.blender import stage
 
+pytestmark = pytest.mark.one_blender
+
 context: Any = bpy.context  # to the stubs, every pointer may be None
 as_asked = partial(BakeSpec, denoise=True)  # the default of the command line and the panel
 DEFAULT = as_asked(layout=Layout.LAYERED)

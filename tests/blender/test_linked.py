@@ -107,8 +107,9 @@ def held() -> list[Any]:
     return [objects, homes]
 
 
-@pytest.mark.parametrize("together", [False, True])
-@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize(
+    ("way", "together"), [(way, way in (linked_collection, overrides)) for way in WAYS] + [(overrides, False)]
+)
 def test_what_a_library_holds_is_baked_reported_and_exported(
     way: Callable[[Path], object], together: bool, tmp_path: Path, out: Path
 ) -> None:

@@ -21,7 +21,7 @@ from radtex_addon.preview.swap import is_on, switch_off, switch_on
 from radtex_addon.scene.mesh.copy import UV_LAYER
 from radtex_addon.scene.preview_file import baked_copy, surface_of
 from tests.blender import stage
-from tests.blender.batch_process import process, refusal
+from tests.blender.batch_process import Batch, refusal
 from tests.blender.fingerprint import differences, fingerprint
 from tests.blender.lookup_stage import add_camera_above, render_exr, set_up_render
 
@@ -179,10 +179,9 @@ def nodes_instance(room: Path) -> tuple[Path, str]:
 
 
 @pytest.mark.parametrize("make", [collection_instance, nodes_instance])
-def test_instances_are_refused_with_the_remedy(make: Any, room: Path, tmp_path: Path) -> None:
+def test_instances_are_refused_with_the_remedy(make: Any, room: Path, out: Path, batch: Batch) -> None:
     path, remedy = make(room)
     bpy.ops.wm.save_as_mainfile(filepath=str(path))
-    outcome = process(path, "--object", "Placed", "--out", tmp_path / "out", *QUALITY, "--progress", "none")
-    line = refusal(outcome)
+    line = refusal(batch(path, "--object", "Placed", "--out", out, *QUALITY, "--progress", "none"))
     assert "object 'Placed'" in line
     assert remedy in line

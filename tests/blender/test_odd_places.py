@@ -21,6 +21,8 @@ from radtex_addon.formats.sidecar import read_sidecar
 from tests.blender import stage
 from tests.blender.batch_process import BAKE, QUICK, Batch, refusal
 
+pytestmark = pytest.mark.one_blender
+
 # Each is the name of an object in the scene; the last two are one name, composed in two ways.
 NAMES = (
     "../../x",
@@ -124,7 +126,6 @@ def test_parts_lamps_layers_and_frames_stay_in_their_folder(scene: Path, place: 
     assert len(made) == 2 + 2 + 3 + 2 + 4
 
 
-@pytest.mark.parametrize("overwrite", [(), ("--overwrite",)])
 @pytest.mark.parametrize(
     ("names", "more", "words"),
     [
@@ -137,17 +138,12 @@ def test_parts_lamps_layers_and_frames_stay_in_their_folder(scene: Path, place: 
     ],
 )
 def test_bakes_that_would_replace_one_another(
-    names: tuple[str, ...],
-    more: tuple[str, ...],
-    words: str,
-    overwrite: tuple[str, ...],
-    scene: Path,
-    place: Path,
-    batch: Batch,
+    names: tuple[str, ...], more: tuple[str, ...], words: str, scene: Path, place: Path, batch: Batch
 ) -> None:
-    objects = [f"--object={name}" for name in names]
+    asked = (scene, *(f"--object={name}" for name in names), *more, *QUICK, "--out", place / "new")
     with unchanged(place.parent):
-        line = refusal(batch(scene, *objects, *more, *QUICK, *overwrite, "--out", place / "new"))
+        line = refusal(batch(*asked))
+        assert refusal(batch(*asked, "--overwrite")) == line
     if len(more) == 4:
         words = words if words in line else "'Card-Key' and 'Card', light of Key would both"
     assert words in line
@@ -170,12 +166,22 @@ def test_names_that_differ_in_case_are_two_files_where_the_system_says_so(
 # folders
 
 
-@pytest.mark.parametrize("name", ["with space/ü日本🦊/e\u0301/trail. ", "a/../-rf", "new\nline%s\"'$(x)"])
+@pytest.mark.parametrize(
+    ("folder", "name"),
+    [
+        ("with space/ü日本🦊/e\u0301/trail. ", "new\nline. "),
+        ("a/../-rf", "a\\b.blend"),
+        ("new\nline%s\"'$(x)", "ü 日本🦊 e\u0301.blend"),
+    ],
+)
 @posix
-def test_a_folder_of_any_name(name: str, scene: Path, place: Path, batch: Batch) -> None:
-    ended = batch(scene, "--object", "Card", *QUICK, "--save-preview", f"--out={place}/{name}")
+def test_a_folder_and_a_blend_of_any_name(
+    folder: str, name: str, scene: Path, place: Path, batch: Batch
+) -> None:
+    (place / name).write_bytes(scene.read_bytes())
+    ended = batch(place / name, "--object", "Card", *QUICK, "--save-preview", f"--out={place}/out/{folder}")
     assert ended.code == 0, ended.err
-    assert len(list(Path(place, name).iterdir())) == 3
+    assert len(list(Path(place, "out", folder).iterdir())) == 3
 
 
 @pytest.mark.parametrize(
@@ -311,16 +317,6 @@ def test_a_thumbnail_that_cannot_be(scene: Path, place: Path, batch: Batch) -> N
 # .blend files
 
 
-@pytest.mark.parametrize("name", ["ü 日本🦊 e\u0301.blend", "new\nline. ", "a\\b.blend"])
-@posix
-def test_a_blend_of_any_name(name: str, scene: Path, place: Path, batch: Batch) -> None:
-    (place / name).write_bytes(scene.read_bytes())
-    out = place / "out"
-    ended = batch(place / name, "--object", "Card", *QUICK, "--save-preview", "--out", out)
-    assert ended.code == 0, ended.err
-    assert len(list(out.iterdir())) == 3
-
-
 @posix
 def test_a_blend_that_cannot_be(scene: Path, place: Path, batch: Batch) -> None:
     os.mkfifo(place / "pipe")
@@ -355,6 +351,7 @@ def test_a_blend_that_is_cut_or_compressed(compress: bool, scene: Path, place: P
             ended = batch(path, "--object", "Card", *QUICK, "--out", place / "out", "--overwrite")
         line = refusal(ended._replace(out="", err=ended.err[ended.err.rindex("radtex: ") :]))
         assert f"{path} does not open as a .blend" in line
+        assert "name another" in line
 
 
 def test_a_newer_blenders_file(scene: Path, place: Path, batch: Batch) -> None:

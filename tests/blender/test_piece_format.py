@@ -15,13 +15,14 @@ from radtex_addon.bake.key import workers
 from radtex_addon.bake.piece_format import PIECE_FORMAT
 from radtex_addon.bake.progress import Stage
 from radtex_addon.bake.spec import BakeSpec, Layout
-from radtex_addon.cli import main as batch_module
 from radtex_addon.core.errors import FormatError, InputError
 from radtex_addon.formats.disk.hidden_folder import mark_of
 from radtex_addon.job import bake_object, bake_steps
-from tests.blender.farming import BOX, assembled, build_moving_scene, prepared, render
+from tests.blender.farming import BOX, assembled, build_moving_scene, prepared
 from tests.blender.killed import digests
-from tests.blender.room import fill_room, save_room
+from tests.blender.room import fill_room
+
+pytestmark = pytest.mark.one_blender
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
 
@@ -71,32 +72,12 @@ def test_pieces_of_another_format_are_refused_and_a_new_bake_is_whole(
     assert digests(out) == digests(tmp_path / "whole")
 
 
-def test_the_batch_says_it_in_one_line(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
-) -> None:
-    fill_room()
-    out = tmp_path / "out"
-    with monkeypatch.context() as earlier:
-        earlier.setattr("radtex_addon.bake.piece_format.PIECE_FORMAT", PIECE_FORMAT - 1)
-        ended_in(Stage.CAPTURE, SPECS["tiles"][0], out)
-    room = save_room(tmp_path / "room.blend")
-    capfd.readouterr()
-    quick = ("--object", "Ball", "--layout", "buckets", "--texels", "16", "--bucket", "4", "--samples", "1")
-    code = batch_module.main(
-        [str(room), *quick, "--out", str(out), "--progress", "none", "--resume"], inside_blender=False
-    )
-    (line,) = capfd.readouterr().err.splitlines()
-    assert code == 2
-    assert line.endswith("begin anew (--overwrite, without --resume)")
-
-
 def test_frames_of_another_format_are_not_joined(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     spec = BakeSpec(texels=16, bucket=2, samples=1)
     scene = build_moving_scene(tmp_path)
     with monkeypatch.context() as earlier:
         earlier.setattr("radtex_addon.bake.piece_format.PIECE_FORMAT", PIECE_FORMAT + 1)
         farm = prepared(scene, spec, tmp_path / "far").files.folder
-        render(farm, "1..1")
     frames = digests(farm)
     said = (
         f"are of format {PIECE_FORMAT + 1}, this RadTex joins those of format {PIECE_FORMAT}: assemble with"

@@ -128,8 +128,7 @@ def driver_target(driven: Any) -> Any:
     return driven.animation_data.drivers[0].driver.variables[0].targets[0].id
 
 
-@pytest.mark.parametrize("saved", [False, True], ids=["a file never saved", "a saved file"])
-@pytest.mark.parametrize("materials", [0, 2])
+@pytest.mark.parametrize(("saved", "materials"), [(False, 2), (True, 0)])
 def test_the_copy_stands_in_the_object_s_place(
     pane: Any, material: bpy.types.Material, tmp_path: Path, saved: bool, materials: int
 ) -> None:
@@ -279,8 +278,7 @@ def test_the_clip_that_a_camera_follows_stays(
     assert (current_scene().active_clip is not None) == follows
 
 
-@pytest.mark.parametrize("saved", [False, True], ids=["a file never saved", "a saved file"])
-@pytest.mark.parametrize("kept", [False, True], ids=["its file is gone", "its file is there"])
+@pytest.mark.parametrize(("saved", "kept"), [(False, True), (True, False)])
 def test_a_packed_hdri_is_stored_once_for_all_previews(
     pane: Any, material: bpy.types.Material, tmp_path: Path, saved: bool, kept: bool
 ) -> None:

@@ -20,7 +20,7 @@ from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.job import BakeResult, bake_object
 from tests.blender import stage
 
-pytestmark = pytest.mark.usefixtures("temporary")
+pytestmark = [pytest.mark.one_blender, pytest.mark.usefixtures("temporary")]
 context: Any = bpy.context  # to the stubs, every pointer may be None
 
 SPEC = BakeSpec(texels=48, bucket=4, samples=16, half=False, uv_layer="UVMap")
@@ -47,9 +47,12 @@ def bake(out: Path, spec: BakeSpec) -> tuple[Floats, BakeResult]:
     return read_buckets(made.files.sidecar)[0], made
 
 
-def test_a_changed_lamp_is_refreshed_for_less_than_half_the_paths(out: Path) -> None:
+def test_what_has_changed_is_refreshed_and_all_else_stays(out: Path) -> None:
     lamp = room()
     before, first = bake(out, SPEC)
+    unchanged, made = bake(out, AGAIN)
+    assert np.array_equal(unchanged, before)
+    assert made.paths < first.paths / 16
     lamp.data.energy = 300
     refreshed, made = bake(out, AGAIN)
     anew, _ = bake(out / "anew", SPEC)
@@ -63,22 +66,9 @@ def test_a_changed_lamp_is_refreshed_for_less_than_half_the_paths(out: Path) -> 
     touched = (refreshed != before).any(axis=-1).mean()
     assert 0.05 < touched < 0.5
     assert read_sidecar(out / "Card.radiance.json").samples == 16
-
-
-def test_what_has_not_changed_stays_to_the_bit(out: Path) -> None:
-    room()
-    before, first = bake(out, SPEC)
-    again, made = bake(out, AGAIN)
-    assert np.array_equal(again, before)
-    assert made.paths < first.paths / 16
-
-
-def test_a_light_that_is_everywhere_bakes_all_anew(out: Path) -> None:
-    room()
-    bake(out, SPEC)
-    stage.world((1, 1, 1))
+    stage.world((1, 1, 1))  # light that is everywhere
     refreshed, _ = bake(out, AGAIN)
-    assert np.array_equal(refreshed, bake(out / "anew", SPEC)[0])
+    assert np.array_equal(refreshed, bake(out / "all anew", SPEC)[0])
 
 
 def test_refreshing_and_accumulating_exclude_each_other(out: Path) -> None:

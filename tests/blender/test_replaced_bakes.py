@@ -15,7 +15,7 @@ import pytest
 from tests.blender import stage
 from tests.blender.batch_process import QUICK, Batch, refusal
 
-pytestmark = pytest.mark.usefixtures("temporary")
+pytestmark = [pytest.mark.one_blender, pytest.mark.usefixtures("temporary")]
 context: Any = bpy.context  # to the stubs, every pointer may be None
 Saved = Callable[[str], Path]
 QUICKEST = [*QUICK, "--no-denoise"]
@@ -54,9 +54,6 @@ def facts(path: Path) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize(
-    "way", ["--changed", "--overwrite", "--overwrite-any", "--resume", "--accumulate", ""]
-)
-@pytest.mark.parametrize(
     ("other", "options", "named"),
     [
         ("Ball.Gold", ["--split", "material"], "object 'Ball.Gold', not of object 'Ball', material Gold"),
@@ -65,16 +62,17 @@ def facts(path: Path) -> dict[str, Any]:
     ],
 )
 def test_a_bake_of_another_object_stays(
-    saved: Saved, out: Path, batch: Batch, other: str, options: list[str], named: str, way: str
+    saved: Saved, out: Path, batch: Batch, other: str, options: list[str], named: str
 ) -> None:
     blend = saved("room.blend")
     assert batch(blend, "--object", other, *QUICKEST, "--out", out).code == 0
     before = contents(out)
-    ended = batch(blend, "--object=Ball", *QUICKEST, *options, *filter(None, [way]), "--out", out)
-    assert named in ended.err.splitlines()[-1]
-    assert "rename one of them, or choose another folder (--out)" in ended.err
-    assert ended.code == 2
-    assert contents(out) == before
+    for way in (["--changed"], ["--overwrite"], ["--overwrite-any"], ["--resume"], ["--accumulate"], []):
+        ended = batch(blend, "--object=Ball", *QUICKEST, *options, *way, "--out", out)
+        assert named in ended.err.splitlines()[-1], way
+        assert "rename one of them, or choose another folder (--out)" in ended.err, way
+        assert ended.code == 2, way
+        assert contents(out) == before, way
 
 
 def test_a_part_stays_where_an_object_of_its_files_name_is_baked(

@@ -17,13 +17,15 @@ from radtex_addon.bake.key import KEY
 from radtex_addon.bake.progress import Stage
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.bake.thumbnail import Thumbnail
-from radtex_addon.cli import main as batch_module
 from radtex_addon.core.errors import BakeError, InputError
 from radtex_addon.cycles import building_blocks, portal
 from radtex_addon.job import bake_object, bake_steps, check_request
 from tests.blender import stage
+from tests.blender.batch_process import Batch
 from tests.blender.killed import digests
 from tests.blender.room import fill_room, save_room
+
+pytestmark = pytest.mark.one_blender
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
 
@@ -40,11 +42,6 @@ def scene() -> None:
 @pytest.fixture(scope="module")
 def room(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return save_room(tmp_path_factory.mktemp("room") / "room.blend")
-
-
-@pytest.fixture
-def out(tmp_path: Path) -> Path:
-    return tmp_path / "out"
 
 
 def begun(out: Path, spec: BakeSpec = QUICK) -> list[str]:
@@ -113,29 +110,30 @@ def the_frame() -> None:
     context.scene.frame_set(5)
 
 
-@pytest.mark.parametrize(
-    ("change", "words"),
-    [
-        (a_vertex, "in mesh: bake"),
-        (a_uv, "in mesh: bake"),
-        (a_place("Ball"), "in object's place: bake"),
-        (a_material, "in materials: bake"),
-        (the_sky, "in world: bake"),
-        (a_place("Floor"), "in objects: bake"),
-        (a_place("Lamp"), "in lights: bake"),
-        (a_new_object, "in objects: bake"),
-        (the_lamp, "in lights: bake"),
-        (bounces, "in light paths: bake"),
-        (the_frame, r"in frame \(1, now 5\): bake"),
-    ],
-)
-def test_what_changed_in_the_scene_is_named(change: Callable[[], None], words: str, out: Path) -> None:
+CHANGES: list[tuple[Callable[[], None], str]] = [
+    (a_vertex, "in mesh: bake"),
+    (a_uv, "in mesh: bake"),
+    (a_place("Ball"), "in object's place: bake"),
+    (a_material, "in materials: bake"),
+    (the_sky, "in world: bake"),
+    (a_place("Floor"), "in objects: bake"),
+    (a_place("Lamp"), "in lights: bake"),
+    (a_new_object, "in objects: bake"),
+    (the_lamp, "in lights: bake"),
+    (bounces, "in light paths: bake"),
+    (the_frame, r"in frame \(1, now 5\): bake"),
+]
+
+
+def test_what_changed_in_the_scene_is_named(out: Path) -> None:
     kept = begun(out)
-    change()
-    with pytest.raises(InputError, match=words) as raised:
-        bake_object(context.scene, "Ball", QUICK, out, resume=True)
-    assert "\n" not in str(raised.value)
-    assert sorted(path.name for path in (out / FOLDER).iterdir()) == kept
+    for change, words in CHANGES:
+        fill_room()
+        change()
+        with pytest.raises(InputError, match=rf"differs {words}") as raised:
+            bake_object(context.scene, "Ball", QUICK, out, resume=True)
+        assert "\n" not in str(raised.value)
+        assert sorted(path.name for path in (out / FOLDER).iterdir()) == kept
 
 
 def test_what_changed_of_the_specification_is_named_before_anything_is_done(out: Path) -> None:
@@ -233,24 +231,18 @@ def test_a_thumbnail_shows_what_there_is(layout: Layout, tmp_path: Path, out: Pa
     assert len(np.unique(pixels[~red], axis=0)) <= 1, "the rest is of one grey"
 
 
-def test_the_batch_tells_of_pictures_and_goes_on(
-    room: Path, out: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
-    def batch(*more: str) -> tuple[int, list[dict[str, Any]], str]:
-        capfd.readouterr()
-        arguments = [str(room), "--object", "Ball", *PLAIN, "--out", str(out), "--progress", "json", *more]
-        code = batch_module.main(arguments, False)
-        said, err = capfd.readouterr()
-        return code, [json.loads(line) for line in said.splitlines()], err
-
+def test_the_batch_tells_of_pictures_and_goes_on(room: Path, out: Path, tmp_path: Path, batch: Batch) -> None:
+    asked = (room, "--object", "Ball", *PLAIN, "--out", out, "--progress", "json")
     path = tmp_path / "small.png"
-    code, events, _ = batch("--thumbnail", str(path))
-    assert code == 0
+    ended = batch(*asked, "--thumbnail", path)
+    assert ended.code == 0
+    events = [json.loads(line) for line in ended.out.splitlines()]
     assert {"event": "picture", "object": "Ball", "path": str(path)} in events
     assert path.read_bytes()[:4] == b"\x89PNG"
-    code, events, err = batch("--resume")
-    assert code == 2
-    assert "nothing of object 'Ball' is unfinished" in err
-    code, _, err = batch("--overwrite", "--thumbnail", str(tmp_path / "small.jpg"))
-    assert code == 2
-    assert err.startswith(f"radtex: --thumbnail {tmp_path / 'small.jpg'}: give the name of a PNG, such as ")
+    ended = batch(*asked, "--resume")
+    assert ended.code == 2
+    assert "nothing of object 'Ball' is unfinished" in ended.err
+    path = path.with_suffix(".jpg")
+    ended = batch(*asked, "--overwrite", "--thumbnail", path)
+    assert ended.code == 2
+    assert ended.err.startswith(f"radtex: --thumbnail {path}: give the name of a PNG, such as ")

@@ -18,6 +18,8 @@ import pytest
 from radtex_addon.cli.main import main
 from tests.blender import stage
 
+pytestmark = pytest.mark.one_blender
+
 context: Any = bpy.context  # to the stubs, every pointer may be None
 
 BAKES = {

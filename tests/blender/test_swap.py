@@ -23,6 +23,7 @@ from tests.blender import stage
 from tests.blender.fingerprint import differences, fingerprint
 from tests.blender.lived_in import lived_in_scene
 from tests.blender.lookup_stage import render_exr, set_up_render
+from tests.finished_bakes import finished_bake
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
 
@@ -41,10 +42,15 @@ def ball(name: str = NAME) -> Any:
 
 
 def bake_of(spec: BakeSpec, folder: Path) -> Path:
+    """The sidecar of a finished bake of the ball, to read."""
+    return finished_bake(folder, _bake, spec) / f"{NAME}.radiance.json"
+
+
+def _bake(folder: Path, spec: BakeSpec) -> None:
     bpy.ops.wm.read_factory_settings(use_empty=True)
     ball()
     stage.hdri(stage.world())
-    return bake_object(context.scene, NAME, spec, folder, preview=Filter.QUADRILINEAR).files.sidecar
+    bake_object(context.scene, NAME, spec, folder, preview=Filter.QUADRILINEAR)
 
 
 @pytest.fixture(scope="module")
@@ -152,8 +158,7 @@ def test_the_copy_stands_in_the_objects_place(sidecar: Path) -> None:
     assert original_of(other) == other
 
 
-@pytest.mark.parametrize("saved", [False, True], ids=["a file never saved", "a saved file"])
-@pytest.mark.parametrize("layout", ["plain", "layered"])
+@pytest.mark.parametrize(("layout", "saved"), [("plain", True), ("layered", False)])
 def test_a_picture_of_the_preview_is_that_of_its_file(
     bakes: dict[str, Path], layout: str, saved: bool, tmp_path: Path
 ) -> None:
@@ -182,31 +187,26 @@ def picture(path: Path) -> Any:
     return render_exr(scene, path)
 
 
-def test_an_object_that_has_moved_is_told(sidecar: Path) -> None:
-    original = ball()
-    assert not switch_on(original, sidecar).moved
-    switch_off(original)
-    original.location.x = 2
-    context.view_layer.update()
-    assert switch_on(original, sidecar).moved
-
-
 def test_on_once_more_shows_the_bake_anew(sidecar: Path) -> None:
     original = ball()
     before = fingerprint()
-    switch_on(original, sidecar)
+    switch_off(original)  # which does nothing
+    assert differences(before, fingerprint()) == {}
+    assert not switch_on(original, sidecar).moved
     switch_on(original, sidecar)
     assert [item.name for item in bpy.data.objects] == ["Ball", "Ball (baked)"]
     assert len(bpy.data.images) == 1
     switch_off(original)
     assert differences(before, fingerprint()) == {}
+    original.location.x = 2
+    context.view_layer.update()
+    assert switch_on(original, sidecar).moved
 
 
 # off
 
 
-@pytest.mark.parametrize("layout", ["plain", "layered"])
-@pytest.mark.parametrize("by_copy", [False, True], ids=["by the object", "by the copy"])
+@pytest.mark.parametrize(("layout", "by_copy"), [("plain", True), ("layered", False)])
 def test_on_and_off_leaves_no_trace(bakes: dict[str, Path], layout: str, by_copy: bool) -> None:
     bpy.ops.wm.read_factory_settings(use_empty=True)
     head = lived_in_scene()
@@ -301,13 +301,6 @@ def test_what_is_used_elsewhere_by_now_stays(sidecar: Path) -> None:
     switch_on(original, sidecar)
     switch_off(original)
     assert images() == set()
-
-
-def test_off_without_a_preview_does_nothing() -> None:
-    original = ball()
-    before = fingerprint()
-    switch_off(original)
-    assert differences(before, fingerprint()) == {}
 
 
 # what happens meanwhile
@@ -516,20 +509,19 @@ def _other_layer(sidecar: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("spoil", "kind", "words"),
+    ("spoil", "shown", "kind", "words"),
     [
-        (_no_atlas, InputError, r"Ball\.radiance\.exr is missing.*put it back, or bake again"),
-        (_damaged, FormatError, r"Ball\.radiance\.exr: Blender reads no image in it; bake again"),
-        (_no_preview, InputError, r"Ball\.preview\.blend is missing.*bake again with a preview"),
-        (_no_blend, FormatError, r"Ball\.preview\.blend is no \.blend that this Blender reads"),
-        (_no_sidecar, FormatError, r"Ball\.radiance\.json cannot be read"),
-        (_other_object, FormatError, r"Ball\.preview\.blend holds no mesh 'Cube'"),
-        (_other_layer, FormatError, r"of another bake than its sidecar"),
+        (_no_atlas, True, InputError, r"Ball\.radiance\.exr is missing.*put it back, or bake again"),
+        (_damaged, False, FormatError, r"Ball\.radiance\.exr: Blender reads no image in it; bake again"),
+        (_no_preview, True, InputError, r"Ball\.preview\.blend is missing.*bake again with a preview"),
+        (_no_blend, False, FormatError, r"Ball\.preview\.blend is no \.blend that this Blender reads"),
+        (_no_sidecar, True, FormatError, r"Ball\.radiance\.json cannot be read"),
+        (_other_object, False, FormatError, r"Ball\.preview\.blend holds no mesh 'Cube'"),
+        (_other_layer, True, FormatError, r"of another bake than its sidecar"),
     ],
 )
-@pytest.mark.parametrize("shown", [False, True], ids=["off", "on"])
 def test_files_that_are_missing_or_spoilt_are_named(
-    spoil: Callable[[Path], None], kind: type[RadTexError], words: str, shown: bool, spoilt: Path
+    spoil: Callable[[Path], None], shown: bool, kind: type[RadTexError], words: str, spoilt: Path
 ) -> None:
     original = ball()
     if shown:

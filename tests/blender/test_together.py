@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import shutil
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -20,7 +21,7 @@ from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.formats.sidecar import Part, read_sidecar
 from radtex_addon.job import bake_object, part_specs
 from tests.blender import stage
-from tests.blender.batch_process import process
+from tests.blender.batch_process import Batch
 from tests.blender.fingerprint import differences, fingerprint
 
 pytestmark = pytest.mark.usefixtures("temporary")
@@ -128,12 +129,6 @@ def test_what_does_not_fit_is_refused(fields: dict[str, Any], message: str) -> N
         BakeSpec(**fields)
 
 
-def test_an_object_that_is_missing_is_named(out: Path) -> None:
-    room()
-    with pytest.raises(InputError, match="no object 'Centre' in scene"):
-        bake_object(context.scene, "Room", replace(QUICK, objects=("Left", "Centre")), out)
-
-
 def two_coloured() -> Any:
     """A cube whose upper half glows red, its lower half green; UVs in two tiles, 1001 and 1012."""
     made = cube("Cube", glow("Hot", RED), 0)
@@ -158,6 +153,7 @@ def test_each_material_has_an_atlas_and_one_preview_shows_all(out: Path) -> None
     before = fingerprint()
     first = bake_object(context.scene, "Cube", parts[0], out, preview=Filter.NEAREST)
     assert first.files.preview == out / "Cube.material.preview.blend"
+    shutil.copy(first.files.preview, out.parent / "alone.blend")
     second = bake_object(context.scene, "Cube", parts[1], out, preview=Filter.NEAREST)
     assert differences(before, fingerprint()) == {}
     assert read_sidecar(second.files.sidecar).part == Part("material", "Cold / wet", 1)
@@ -166,15 +162,8 @@ def test_each_material_has_an_atlas_and_one_preview_shows_all(out: Path) -> None
     assert worn == ["RadTex Cube Hot"] * 6 + ["RadTex Cube Cold / wet"] * 6
     np.testing.assert_allclose(light_at(first.files.sidecar, uv[:6]), [RED] * 6, atol=1e-5)
     np.testing.assert_allclose(light_at(second.files.sidecar, uv[6:]), [GREEN] * 6, atol=1e-5)
-
-
-def test_the_first_parts_preview_shows_the_others_as_they_are(out: Path) -> None:
-    two_coloured()
-    part = replace(QUICK, split=Split.MATERIAL, part="Hot")
-    made = bake_object(context.scene, "Cube", part, out, preview=Filter.NEAREST)
-    assert made.files.preview is not None
-    _, worn = triangles_in(made.files.preview, "Cube")
-    assert worn == ["RadTex Cube Hot"] * 6 + ["Cold / wet"] * 6
+    _, worn = triangles_in(out.parent / "alone.blend", "Cube")
+    assert worn == ["RadTex Cube Hot"] * 6 + ["Cold / wet"] * 6, "the others as they are"
 
 
 def test_a_part_that_is_not_there_is_named(out: Path) -> None:
@@ -218,22 +207,23 @@ def test_tiles_are_numbered_as_udim_has_it(column: int, row: int, name: str) -> 
     assert tile_place(name) == (column, row)
 
 
-def test_the_batch_bakes_together_and_in_parts(tmp_path: Path) -> None:
+@pytest.mark.one_blender
+def test_the_batch_bakes_together_and_in_parts(tmp_path: Path, out: Path, batch: Batch) -> None:
     room()
     two_coloured()
     scene = tmp_path / "scene.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(scene))
-    quick = ["--layout=buckets", "--texels=32", "--bucket=2", "--samples=1", f"--out={tmp_path / 'out'}"]
+    quick = ["--layout=buckets", "--texels=32", "--bucket=2", "--samples=1", f"--out={out}"]
     several = [*(f"--object={name}" for name in ROOM), "--together=Room", *quick]
-    assert process(str(scene), *several).code == 0
+    assert batch(scene, *several).code == 0
     parts = ["--object=Cube", "--split=material", "--save-preview", *quick]
-    assert process(str(scene), *parts).code == 0
-    again = process(str(scene), *parts, "--resume")
+    assert batch(scene, *parts).code == 0
+    again = batch(scene, *parts, "--resume")
     assert again.code == 0, again.err
-    refused = process(str(scene), "--object=Left", "--together=Room", *quick)
+    refused = batch(scene, "--object=Left", "--together=Room", *quick)
     assert refused.code == 2
     assert "object 'Left' is alone" in refused.err
-    assert sorted(path.name for path in (tmp_path / "out").glob("*.*e*")) == [
+    assert sorted(path.name for path in out.glob("*.*e*")) == [
         "Cube.Cold _ wet-69571a04.radiance.exr",
         "Cube.Cold _ wet-69571a04.radiance.json",
         "Cube.Hot.radiance.exr",
@@ -244,6 +234,7 @@ def test_the_batch_bakes_together_and_in_parts(tmp_path: Path) -> None:
     ]
 
 
+@pytest.mark.one_blender
 def test_walls_around_an_object_hide_nothing_of_it(out: Path) -> None:
     cube("Box", glow("Box", GREEN), 0)
     shell = cube("Shell", glow("Shell", BLUE), 0)
@@ -255,6 +246,7 @@ def test_walls_around_an_object_hide_nothing_of_it(out: Path) -> None:
     np.testing.assert_allclose(light_at(made.files.sidecar, uv), [GREEN] * 12, atol=1e-5)
 
 
+@pytest.mark.one_blender
 def test_rays_start_as_near_to_a_small_object_as_if_it_were_alone(out: Path) -> None:
     for name, colour, z in (("Lower", RED, 0.0), ("Upper", GREEN, 0.004)):
         bpy.ops.mesh.primitive_plane_add(size=1, location=(0, 0, z))
@@ -269,6 +261,7 @@ def test_rays_start_as_near_to_a_small_object_as_if_it_were_alone(out: Path) -> 
         np.testing.assert_allclose(light_at(made.files.sidecar, shown[name]), [colour] * 2, atol=1e-5)
 
 
+@pytest.mark.one_blender
 def test_more_samples_go_to_the_same_objects_alone(out: Path) -> None:
     for index, (name, colour) in enumerate(ROOM.items()):
         made = cube(name, glow(name, colour), 2 * index)

@@ -30,6 +30,7 @@ from radtex_addon.ui.settings.request import request_of, values_of
 from tests.blender.fingerprint import differences, fingerprint
 from tests.blender.test_together import ROOM, room, two_coloured
 from tests.blender.ui_stage import ops
+from tests.finished_bakes import finished_bake
 
 pytestmark = pytest.mark.usefixtures("temporary")
 context: Any = bpy.context  # to the stubs, every pointer may be None
@@ -45,17 +46,31 @@ def registered() -> Iterator[None]:
 
 
 def baked_room(out: Path) -> Path:
+    """The sidecar of the room in one atlas; the room is open."""
+    finished_bake(out, bake_room)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    room()
+    return out / "Room.radiance.json"
+
+
+def bake_room(out: Path) -> None:
     room()
     spec = replace(QUICK, objects=tuple(ROOM))
-    return bake_object(context.scene, "Room", spec, out, preview=Filter.NEAREST).files.sidecar
+    bake_object(context.scene, "Room", spec, out, preview=Filter.NEAREST)
 
 
 def baked_parts(out: Path) -> list[Path]:
+    """The sidecars of the cube's parts; the cube is open."""
+    finished_bake(out, bake_parts)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     two_coloured()
-    parts = part_specs(context.scene, "Cube", replace(QUICK, split=Split.MATERIAL))
-    return [
-        bake_object(context.scene, "Cube", part, out, preview=Filter.NEAREST).files.sidecar for part in parts
-    ]
+    return sorted(out.glob("*.json"), reverse=True)
+
+
+def bake_parts(out: Path) -> None:
+    two_coloured()
+    for part in part_specs(context.scene, "Cube", replace(QUICK, split=Split.MATERIAL)):
+        bake_object(context.scene, "Cube", part, out, preview=Filter.NEAREST)
 
 
 def test_objects_that_share_an_atlas_share_its_material_and_image(out: Path) -> None:
@@ -169,28 +184,3 @@ def test_the_panel_asks_for_one_atlas_or_one_for_each_part(out: Path) -> None:
         assert [(name, each.part) for name, each in bakes] == [("Cube", "Hot"), ("Cube", "Cold / wet")]
     settings.part = "Hot"
     assert len(asked("Cube")) == 1
-
-
-@pytest.mark.usefixtures("registered")
-def test_the_operator_bakes_parts_and_shows_them(out: Path) -> None:
-    two_coloured()
-    options = {
-        "split": "material",
-        "atlas_layout": "buckets",
-        "texels": 24,
-        "bucket": 2,
-        "samples": 1,
-        "directory": str(out),
-    }
-    assert ops.radtex.bake(object="Cube", **options) == {"FINISHED"}
-    assert ops.radtex.preview_toggle(object="Cube", bake=str(out)) == {"FINISHED"}
-    assert is_on(context.scene.objects["Cube"])
-    ops.radtex.preview_toggle(object="Cube", bake=str(out))
-    with pytest.raises(RuntimeError, match=r"Cube\.Hot\.radiance\.exr is already there"):
-        ops.radtex.bake(object="Cube", **options)
-    (out / "Cube.Hot.radiance.json").unlink()
-    (out / "Cube.Hot.radiance.exr").unlink()
-    written = (out / "Cube.material.preview.blend").stat().st_mtime_ns
-    assert ops.radtex.bake(object="Cube", resume=True, **options) == {"FINISHED"}  # the part that lacks
-    assert (out / "Cube.Hot.radiance.json").is_file()
-    assert (out / "Cube.material.preview.blend").stat().st_mtime_ns > written

@@ -32,11 +32,12 @@ from radtex_addon.ui.panel import jobs_panel
 from radtex_addon.worker.handover import hand_over
 from radtex_addon.worker.job import Job, State
 from radtex_addon.worker.orders import order_bake
+from tests.blender.recorded_layout import RecordedLayout
 from tests.blender.test_export_gltf import corners
 from tests.blender.test_together import QUICK, ROOM, room, triangles_in, two_coloured
 from tests.blender.ui_stage import ops, registered
 
-pytestmark = pytest.mark.usefixtures("temporary")
+pytestmark = [pytest.mark.one_blender, pytest.mark.usefixtures("temporary")]
 context: Any = bpy.context  # to the stubs, every pointer may be None
 
 TOGETHER = replace(QUICK, objects=tuple(ROOM))
@@ -145,26 +146,6 @@ def test_what_the_atlas_shows_goes_before_bakes_of_its_objects(out: Path) -> Non
     assert worn_materials("Left") == {"RadTex Left"}
 
 
-class Row:
-    """Stands in for Blender's layout: keeps what is drawn."""
-
-    def __init__(self) -> None:
-        self.drawn: list[tuple[str, Any]] = []
-
-    def row(self, **_: Any) -> Row:
-        return self
-
-    column = row
-
-    def label(self, **_: Any) -> None:
-        """Nothing is asked of labels."""
-
-    def operator(self, name: str, **_: Any) -> Any:
-        made = type("Properties", (), {})()
-        self.drawn.append((name, made))
-        return made
-
-
 @pytest.mark.usefixtures("window")
 def test_a_job_shows_its_own_bake_and_has_no_arrow_for_several_objects(out: Path, tmp_path: Path) -> None:
     room()
@@ -172,17 +153,17 @@ def test_a_job_shows_its_own_bake_and_has_no_arrow_for_several_objects(out: Path
     order = order_bake(handover, "Room", TOGETHER, out, Filter.NEAREST)
     assert order.shared == tuple(ROOM)
     files = (out / "Room.radiance.exr", out / "Room.radiance.json", out / "Room.preview.blend")
-    done, failed = Row(), Row()
+    done, failed = RecordedLayout(), RecordedLayout()
     jobs_panel._draw_job(done, Job(1, order, State.DONE, files=files))
-    drawn = dict(done.drawn)
+    drawn = dict(done.buttons)
     for name in ("radtex.preview_toggle", "radtex.compare", "radtex.export", "radtex.show_in_browser"):
         assert (drawn[name].object, drawn[name].bake) == ("Room", str(files[1]))
     jobs_panel._draw_job(failed, Job(2, order, State.FAILED))
-    assert [name for name, _ in failed.drawn] == ["radtex.clear_jobs", "radtex.copy_report"]
-    failed.drawn.clear()
+    assert [name for name, _ in failed.buttons] == ["radtex.clear_jobs", "radtex.copy_report"]
+    failed.buttons.clear()
     alone = order_bake(handover, "Left", TINY, out, Filter.NEAREST)
     jobs_panel._draw_job(failed, Job(3, alone, State.CANCELLED))
-    assert [name for name, _ in failed.drawn] == ["radtex.clear_jobs", "radtex.bake"]
+    assert [name for name, _ in failed.buttons] == ["radtex.clear_jobs", "radtex.bake"]
 
 
 @pytest.mark.usefixtures("window")
@@ -233,20 +214,6 @@ def test_a_comparison_loads_the_image_that_objects_share_once(out: Path) -> None
     found = finished(steps)
     assert found.figures.psnr > 30
     assert len(bpy.data.images) == images
-
-
-@pytest.mark.usefixtures("window")
-def test_the_atlas_is_compared_by_its_name(out: Path) -> None:
-    room()
-    bake("Left", replace(TINY, seed=3), out, preview=False)  # which cannot be shown
-    bake("Room", TOGETHER, out)
-    bpy.ops.object.camera_add(location=(0, -6, 0), rotation=(np.pi / 2, 0, 0))
-    context.scene.camera = context.object
-    context.view_layer.update()
-    chosen = {"bake": str(out), "pixels": 32, "samples": 1}
-    assert ops.radtex.compare(object="Room", **chosen) == {"FINISHED"}
-    with pytest.raises(RuntimeError, match="is missing, which holds what a preview shows"):
-        ops.radtex.compare(object="Left", **chosen)
 
 
 # the mesh of several objects

@@ -26,12 +26,11 @@ from radtex_addon.ui.jobs import estimates, jobs
 from radtex_addon.ui.panel import panel_state
 from radtex_addon.ui.settings.request import request_of, values_of
 from radtex_addon.worker.job import State
-from tests.blender.batch_process import process
+from tests.blender.batch_process import Batch
 from tests.blender.test_together import ROOM, cube, glow, room, two_coloured
-from tests.blender.test_ui_variants import finish
-from tests.blender.ui_stage import ops, preferences, registered, settings
+from tests.blender.ui_stage import finish_jobs, ops, preferences, registered, settings
 
-pytestmark = pytest.mark.usefixtures("temporary")
+pytestmark = [pytest.mark.one_blender, pytest.mark.usefixtures("temporary")]
 context: Any = bpy.context  # to the stubs, every pointer may be None
 
 QUICK = BakeSpec(texels=24, bucket=2, samples=1, padding=1)
@@ -94,17 +93,19 @@ def test_what_was_added_to_is_gone_on_with_only_where_it_is_unfinished(again: st
     assert skipped_warning(wanted, wanted) == ""
 
 
-def test_the_batch_adds_samples_to_the_unfinished_part_alone_and_says_so(tmp_path: Path, out: Path) -> None:
+def test_the_batch_adds_samples_to_the_unfinished_part_alone_and_says_so(
+    tmp_path: Path, out: Path, batch: Batch
+) -> None:
     _, cold = parts_baked(out)
     scene = tmp_path / "scene.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(scene))
     words = ["--object=Cube", "--split=material", "--texels=24", "--bucket=2", "--samples=1", "--padding=1"]
     asked_for = [str(scene), *words, f"--out={out}", "--accumulate", "--resume", "--progress=json"]
-    refused = process(*asked_for)
+    refused = batch(*asked_for)
     assert refused.code == 2
     assert "no bake of 'Cube' is unfinished" in refused.err
     interrupt(replace(cold, accumulate=True), out)
-    done = process(*asked_for)
+    done = batch(*asked_for)
     assert done.code == 0, done.err
     events = [json.loads(line) for line in done.out.splitlines()]
     assert [each["message"][:18] for each in events if each["event"] == "warning"] == ["1 of 2 bakes go on"]
@@ -156,19 +157,6 @@ def test_the_panel_goes_on_with_faces_without_material(panel: Any, out: Path) ->
     assert read_sidecar(out / "Cube.none.radiance.json").samples == QUICK.samples
 
 
-def test_the_panel_adds_samples_to_the_unfinished_part_alone(panel: Any, out: Path) -> None:
-    _, cold = parts_baked(out)
-    panel.split, panel.resume, panel.preview, panel.accumulate = "material", True, False, True
-    with pytest.raises(RuntimeError, match="No bake of 'Cube' is unfinished"):
-        ops.radtex.bake(object="Cube")
-    interrupt(replace(asked_anew(panel, cold), half=True), out)
-    plan = _plan(panel)
-    assert [spec.part for _, spec in plan.wanted] == ["Cold / wet"]
-    assert plan.skipped.startswith("1 of 2 bakes go on")
-    assert ops.radtex.bake(object="Cube") == {"FINISHED"}
-    assert read_sidecar(out / "Cube.Hot.radiance.json").samples == 1
-
-
 def test_other_parts_may_be_baked_meanwhile(panel: Any, tmp_path: Path, out: Path) -> None:
     two_coloured()
     preferences().cache_directory = str(tmp_path / "cache")
@@ -180,13 +168,8 @@ def test_other_parts_may_be_baked_meanwhile(panel: Any, tmp_path: Path, out: Pat
     panel.resume = True
     jobs.submit(context.scene, [_plan(panel)])
     assert [job.order.part for job in jobs.snapshot()] == ["Hot", "Cold / wet"]
-    finish()
+    finish_jobs()
     assert [job.state for job in jobs.snapshot()] == [State.DONE] * 2, jobs.snapshot()
-
-
-def asked_anew(panel: Any, part: BakeSpec) -> BakeSpec:
-    """The part as the panel asks for it."""
-    return replace(request_of(values_of(panel), ("Cube",)).spec, part=part.part)
 
 
 def test_parts_without_a_face_of_the_place_are_left_out(out: Path) -> None:
@@ -251,10 +234,11 @@ def flat_triangle(place: tuple[float, float]) -> None:
     made.data = more
 
 
-@pytest.mark.parametrize("place", [(1.0, 0.5), (0.5, 1.0), (2.0, 1.5), (5.0, 0.0), (-0.5, 0.5)])
-def test_triangles_without_an_area_open_no_tile(place: tuple[float, float], out: Path) -> None:
-    flat_triangle(place)
-    parts = part_specs(context.scene, "Cube", BY_TILE)
-    assert [part.part for part in parts] == ["1001", "1012"]
-    for part in parts:
-        bake_object(context.scene, "Cube", part, out)
+def test_triangles_without_an_area_open_no_tile(out: Path) -> None:
+    for place in ((1.0, 0.5), (0.5, 1.0), (2.0, 1.5), (5.0, 0.0), (-0.5, 0.5)):
+        flat_triangle(place)
+        parts = part_specs(context.scene, "Cube", BY_TILE)
+        assert [part.part for part in parts] == ["1001", "1012"], place
+        for part in parts:
+            bake_object(context.scene, "Cube", part, out, overwrite=True)
+        bpy.data.objects.remove(bpy.data.objects["Cube"])

@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import shutil
-import time
 from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
@@ -17,7 +16,6 @@ import pytest
 from mathutils import Matrix
 
 from radtex_addon.bake.spec import BakeSpec, Kind
-from radtex_addon.core.errors import InputError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.job import bake_object
 from radtex_addon.preview.swap import is_on
@@ -36,17 +34,14 @@ from radtex_addon.ui.panel import panel_state
 from radtex_addon.ui.panel.finished_panel import RADTEX_PT_afterwards
 from radtex_addon.ui.panel.jobs_panel import job_title
 from radtex_addon.ui.panel.main_panel import RADTEX_PT_bake
-from radtex_addon.ui.settings.chosen_objects import chosen_names
-from radtex_addon.worker.job import Job
 from tests.blender import stage
 from tests.blender.fingerprint import differences, fingerprint
 from tests.blender.recorded_layout import RecordedLayout
 from tests.blender.test_swap import GLOW, NAME, PLAIN, bake_of, ball, digest
+from tests.blender.ui_stage import finish_jobs
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
 radtex: Any = bpy.ops.radtex  # type: ignore[attr-defined]  # ours, not Blender's
-
-PATIENCE = 120.0  # seconds
 
 
 @pytest.fixture(scope="module")
@@ -144,27 +139,13 @@ def drawn(panel: Any) -> RecordedLayout:
     return layout
 
 
-def test_each_press_is_one_step_to_undo(bake: str) -> None:
+@pytest.mark.parametrize("how", [("EXEC_DEFAULT", True), ()], ids=["a press", "a script's call"])
+def test_each_press_is_one_step_to_undo(bake: str, how: tuple[object, ...]) -> None:
     scene_with_balls()
     bpy.ops.ed.undo_push(message="before")
     states = [digest()]
     for _ in range(2):
-        radtex.preview_toggle("EXEC_DEFAULT", True, bake=bake)
-        states.append(digest())
-    for state in (states[1], states[0]):
-        bpy.ops.ed.undo()
-        assert differences(state, digest()) == {}
-    for state in (states[1], states[2]):
-        bpy.ops.ed.redo()
-        assert differences(state, digest()) == {}
-
-
-def test_each_call_of_a_script_is_one_step_to_undo_too(bake: str) -> None:
-    scene_with_balls()
-    bpy.ops.ed.undo_push(message="before")
-    states = [digest()]
-    for _ in range(2):
-        radtex.preview_toggle(bake=bake)
+        radtex.preview_toggle(*how, bake=bake)
         states.append(digest())
     for state in (states[1], states[0]):
         bpy.ops.ed.undo()
@@ -215,20 +196,6 @@ def test_in_edit_mode_buttons_are_grey(name: str) -> None:
     assert operator.poll()
     bpy.ops.object.mode_set(mode="EDIT")
     assert not operator.poll()
-
-
-@pytest.mark.parametrize("name", ["preview_toggle", "compare", "show_comparison", "export"])
-def test_every_setting_has_a_tooltip(name: str) -> None:
-    properties = getattr(radtex, name).get_rna_type().properties
-    assert all(setting.description for setting in properties if setting.identifier != "rna_type")
-
-
-def test_the_button_bakes_the_object_and_says_that_its_preview_is_in_the_way(bake: str) -> None:
-    scene_with_balls()
-    radtex.preview_toggle(bake=bake)
-    assert chosen_names(context.scene, context.view_layer) == (NAME,)
-    with pytest.raises(RuntimeError, match="its preview is shown in its place; switch that off"):
-        radtex.bake(directory=bake, overwrite=True)
 
 
 # comparison
@@ -337,17 +304,6 @@ def test_the_dialog_asks_for_no_names() -> None:
     assert drawn.settings == ["pixels", "samples"]
 
 
-def test_without_a_bake_there_is_no_comparison(bake: str) -> None:
-    scene_with_balls("Other")
-    with pytest.raises(RuntimeError, match="holds no bake of 'Other'"):
-        radtex.compare(bake=bake, pixels=32, samples=1)
-
-
-def test_sizes_that_cannot_be_are_refused() -> None:
-    with pytest.raises(InputError, match="pixels 4: give a whole number from 16"):
-        ComparisonSpec(pixels=4)
-
-
 def _perspective(data: Any) -> None:
     data.lens, data.shift_x, data.shift_y = 31, 0.2, -0.1
 
@@ -378,22 +334,7 @@ def _whole(eye: Eye) -> Any:
     return eye.projection @ np.linalg.inv(eye.matrix)
 
 
-def test_a_view_that_is_none_is_refused() -> None:
-    for view, window in ((np.zeros((4, 4)), np.eye(4)), (np.eye(4), np.zeros((4, 4)))):
-        with pytest.raises(InputError, match="these matrices are no view"):
-            Eye.of_view(view, window)
-
-
 # by workers, as in a window
-
-
-def finish() -> tuple[Job, ...]:
-    """Pulse as the timer does, until no job is left to do."""
-    until = time.monotonic() + PATIENCE
-    while jobs.advance():
-        assert time.monotonic() < until, jobs.snapshot()
-        time.sleep(0.05)
-    return jobs.snapshot()
 
 
 def compare(item: Any, bake: str, size: int) -> None:
@@ -407,7 +348,8 @@ def ours() -> list[str]:
     return sorted(image.name for image in bpy.data.images if image.name.startswith("RadTex"))
 
 
-def test_a_worker_compares_and_its_pictures_are_one_step_to_undo(bake: str) -> None:
+@pytest.mark.one_blender
+def test_a_workers_pictures_are_a_step_to_undo_and_there_until_they_are_forgotten(bake: str) -> None:
     (item,) = scene_with_balls()
     bpy.ops.ed.undo_push(message="before")
     before = digest()
@@ -415,7 +357,7 @@ def test_a_worker_compares_and_its_pictures_are_one_step_to_undo(bake: str) -> N
         compare(item, bake, size)
         assert ours() in ([], [BAKED, DIFFERENCE, TRACED])
         assert job_title(jobs.snapshot()[-1]) == "Ball, compared"
-        job = finish()[-1]
+        job = finish_jobs()[-1]
         assert job.state == "done", job.message
         assert pixels(TRACED).shape == (height, size, 4)
         np.testing.assert_allclose(pixels(TRACED)[height // 2, size // 2, :3], GLOW, rtol=0.02)
@@ -427,16 +369,10 @@ def test_a_worker_compares_and_its_pictures_are_one_step_to_undo(bake: str) -> N
     assert differences(before, digest()) == {}
     bpy.ops.ed.redo()
     assert pixels(TRACED).shape == (18, 32, 4)
-
-
-def test_figures_and_pictures_of_a_comparison_are_there_until_it_is_forgotten(bake: str) -> None:
-    (item,) = scene_with_balls()
-    for size in (32, 48):
-        compare(item, bake, size)
-    first, second = finish()
+    first, second = jobs.snapshot()
     assert [float(next(iter(figures(job.facts))).split()[0]) > 30 for job in (first, second)] == [True, True]
-    assert pixels(TRACED).shape == (27, 48, 4)
     radtex.show_comparison(number=second.number)
+    assert pixels(TRACED).shape == (27, 48, 4)
     bpy.data.images.remove(bpy.data.images[DIFFERENCE])
     radtex.show_comparison(number=first.number)
     assert ours() == [BAKED, DIFFERENCE, TRACED]
@@ -448,59 +384,34 @@ def test_figures_and_pictures_of_a_comparison_are_there_until_it_is_forgotten(ba
         radtex.show_comparison(number=first.number)
 
 
+@pytest.mark.one_blender
 def test_pictures_do_not_come_into_another_file(bake: str) -> None:
     (item,) = scene_with_balls()
     compare(item, bake, 32)
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    (job,) = finish()
+    (job,) = finish_jobs()
     assert job.state == "done", job.message
     assert ours() == []
     radtex.show_comparison(number=job.number)
     assert ours() == [BAKED, DIFFERENCE, TRACED]
 
 
-def test_a_worker_exports_while_the_scene_is_left_alone(bake: str) -> None:
+@pytest.mark.one_blender
+def test_a_worker_exports_one_bake_or_a_scene_while_the_open_one_is_left_alone(bake: str) -> None:
     scene_with_balls()
     before = fingerprint()
-    sidecar, out = Path(bake) / "Ball.radiance.json", Path(bake) / "made"
+    sidecar, out, room = (Path(bake) / name for name in ("Ball.radiance.json", "made", "Room"))
     export([Place(NAME, sidecar, out)], ExportSpec(Target.GODOT), overwrite=False)
-    assert job_title(jobs.snapshot()[0]) == "Ball for Godot"
-    (job,) = finish()
-    assert (job.state, job.files) == ("done", (out,)), job.message
+    submit_scene([sidecar, sidecar], ExportSpec(Target.GLTF), "Room", room, overwrite=False)
+    assert [job_title(job) for job in jobs.snapshot()] == ["Ball for Godot", "Room for glTF"]
+    one, scene = finish_jobs()
+    assert (one.state, one.files) == ("done", (out,)), one.message
+    assert (scene.state, scene.files) == ("done", (room,)), scene.message
+    assert (room / "Room.export.json").is_file()
     assert differences(before, fingerprint()) == {}
-
-
-def test_an_export_of_a_scene_runs_as_one_job(bake: str) -> None:
-    sidecar, out = Path(bake) / "Ball.radiance.json", Path(bake) / "Room"
-    submit_scene([sidecar, sidecar], ExportSpec(Target.GLTF), "Room", out, overwrite=False)
-    assert job_title(jobs.snapshot()[0]) == "Room for glTF"
-    (job,) = finish()
-    assert (job.state, job.files) == ("done", (out,)), job.message
-    assert (out / "Room.export.json").is_file()
 
 
 # export
-
-
-def test_a_script_exports_a_scene(bake: str) -> None:
-    scene_with_balls()
-    settings = {"bake": bake, "target": "gltf", "as_scene": True, "scene_name": "Room"}
-    assert radtex.export(**settings) == {"FINISHED"}
-    assert (Path(bake) / "Room.gltf" / "Room.glb").is_file()
-    with pytest.raises(RuntimeError, match=r"Room\.gltf is already there"):
-        radtex.export(**settings)
-
-
-def test_an_export_makes_its_folder_and_leaves_the_scene_alone(bake: str) -> None:
-    scene_with_balls()
-    before = fingerprint()
-    radtex.export(bake=bake, target="raw", format="exr")
-    assert differences(before, fingerprint()) == {}
-    made = {path.name for path in (Path(bake) / "Ball.raw").iterdir()}
-    assert {"Ball.glb", "Ball.export.json", "README.txt"} <= made
-    with pytest.raises(RuntimeError, match="is already there"):
-        radtex.export(bake=bake, target="raw")
-    radtex.export(bake=bake, target="raw", overwrite=True)
 
 
 def test_of_several_kinds_the_panels_is_exported(bake: str) -> None:
@@ -522,6 +433,7 @@ def test_a_preview_is_exported_as_its_object(bake: str, tmp_path: Path) -> None:
     assert (tmp_path / "made" / "Ball.glb").is_file()
 
 
+@pytest.mark.one_blender
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

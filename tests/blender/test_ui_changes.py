@@ -19,6 +19,8 @@ from radtex_addon.version import VERSION
 from tests.blender.recorded_layout import RecordedLayout
 from tests.blender.ui_stage import context, ops, preferences, registered
 
+pytestmark = pytest.mark.one_blender
+
 OFFER = ["radtex.show_changes", "radtex.dismiss_changes"]
 LATER = "99.2.0"
 TEXT = """\

@@ -7,7 +7,6 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from pathlib import Path
-from time import sleep
 from typing import Any
 
 import bpy
@@ -28,7 +27,9 @@ from radtex_addon.ui.settings.chosen_objects import chosen_by, chosen_names, tol
 from radtex_addon.ui.settings.object_settings import by_settings
 from radtex_addon.ui.settings.request import request_of, spec_of, values_of
 from tests.blender import stage
-from tests.blender.ui_stage import context, ops, registered, settings
+from tests.blender.ui_stage import context, finish_jobs, ops, registered, settings
+
+COUNT = 8
 
 
 @pytest.fixture(autouse=True)
@@ -216,18 +217,6 @@ def test_all_are_checked_before_any_is_baked(out: Path) -> None:
     assert not out.exists()
 
 
-def test_some_bakes_of_a_collection_are_there() -> None:
-    chosen_by(context.scene).collection = kitchen()
-    assert ops.radtex.bake(object="Plate") == {"FINISHED"}
-    chosen_by(context.scene).source = "collection"
-    assert seen().next is Next.RESUME
-    assert what_is_there(seen()) == ["1 of 3 bakes are there"]
-    assert ops.radtex.bake(resume=True) == {"FINISHED"}
-    assert what_is_there(seen()) == ["3 bakes are there: they will be replaced"]
-    with pytest.raises(RuntimeError, match="All objects are finished"):
-        ops.radtex.bake(resume=True)
-
-
 def test_a_bake_that_is_shown_is_baked_again_by_one_press(out: Path) -> None:
     settings().preview = True
     plane("Card")
@@ -242,18 +231,18 @@ def test_a_bake_that_is_shown_is_baked_again_by_one_press(out: Path) -> None:
     assert not bpy.data.objects["Card"].hide_render
 
 
-def test_thirty_objects_are_baked_the_one_that_changed_again_and_all_exported(out: Path) -> None:
+def test_many_objects_are_baked_the_one_that_changed_again_and_all_exported(out: Path) -> None:
     """A collection's, without another setting; its neighbours count only if they are asked for."""
     settings().preview = True
     kitchen = bpy.data.collections.new("Kitchen")
     context.scene.collection.children.link(kitchen)
-    for number in range(30):
+    for number in range(COUNT):
         plane(f"Tile {number:02}", kitchen).location = (3 * number, 0, 0)
     settings().texels = 2
     chosen_by(context.scene).source, chosen_by(context.scene).collection = "collection", kitchen
     assert ops.radtex.bake() == {"FINISHED"}
     before = written(out)
-    assert len(before) == 30
+    assert len(before) == COUNT
     assert ops.radtex.bake(only="affected") == {"FINISHED"}
     assert written(out) == before
     bpy.data.objects["Tile 07"].rotation_euler.x = 0.4
@@ -265,10 +254,11 @@ def test_thirty_objects_are_baked_the_one_that_changed_again_and_all_exported(ou
     assert [name for name, time in again.items() if time == after[name]] == ["Tile 07"]
     assert ops.radtex.export() == {"FINISHED"}
     made = {folder.name for folder in out.iterdir() if folder.is_dir()}
-    assert made == {f"Tile {number:02}.gltf" for number in range(30)}
+    assert made == {f"Tile {number:02}.gltf" for number in range(COUNT)}
     assert all((out / name / f"{name.removesuffix('.gltf')}.glb").is_file() for name in made)
 
 
+@pytest.mark.one_blender
 def test_several_bakes_are_exported_by_one_job_into_the_chosen_folder(out: Path, tmp_path: Path) -> None:
     settings().preview = True
     for name in ("Cup", "Jug", "Plate"):
@@ -286,9 +276,7 @@ def test_several_bakes_are_exported_by_one_job_into_the_chosen_folder(out: Path,
     submit(places, ExportSpec(Target.RAW), overwrite=False)
     (job,) = jobs.snapshot()
     assert job_title(job) == "3 bakes for Raw"
-    while jobs.advance():
-        sleep(0.05)
-    (job,) = jobs.snapshot()
+    (job,) = finish_jobs()
     assert job.state == "done", job.message
     assert [folder.name for folder in job.files] == ["Cup.raw", "Plate.raw"]
     (warning,) = job.warnings
@@ -296,6 +284,7 @@ def test_several_bakes_are_exported_by_one_job_into_the_chosen_folder(out: Path,
     assert not (out / "Jug.raw").exists()
 
 
+@pytest.mark.one_blender
 def test_what_has_changed_is_not_baked_over_what_is_unfinished_or_added_to(out: Path) -> None:
     for name in ("Cup", "Plate"):
         plane(name).select_set(True)
@@ -319,6 +308,7 @@ def test_what_has_changed_is_not_baked_over_what_is_unfinished_or_added_to(out: 
     assert written(out) == before
 
 
+@pytest.mark.one_blender
 def test_a_lists_order_holds_where_objects_have_settings_of_their_own(out: Path) -> None:
     for name in ("C", "A", "B"):
         bpy.ops.object.select_all(action="DESELECT")
@@ -336,8 +326,7 @@ def test_a_lists_order_holds_where_objects_have_settings_of_their_own(out: Path)
     jobs.submit(context.scene, plans, chosen())
     assert [job.object for job in jobs.snapshot()] == ["C", "A", "B"]
     jobs.cancel()
-    while jobs.advance():
-        sleep(0.05)
+    finish_jobs()
     assert ops.radtex.bake(overwrite=True) == {"FINISHED"}
     times = written(out)
     assert sorted(times, key=lambda name: times[name]) == ["C", "A", "B"]
@@ -472,17 +461,6 @@ def test_a_list_leaves_out_what_cannot_be_baked_and_what_is_not_in_the_view_laye
     assert list(written(out)) == ["Cup"]
     chosen_by(context.scene).listed[3].use = False
     assert (seen().next, len(seen().errors)) == (Next.NOTHING, 4)
-
-
-def test_a_collections_meshes_that_cannot_be_baked_are_left_out(out: Path) -> None:
-    chosen_by(context.scene).collection = kitchen()
-    chosen_by(context.scene).source = "collection"
-    bpy.data.objects["Cup 1"].scale.x = 0
-    bpy.data.objects["Plate"].visible_camera = False
-    found = seen()
-    assert (found.objects, found.next) == (("Cup 2",), Next.BAKE)
-    assert ops.radtex.bake() == {"FINISHED"}
-    assert list(written(out)) == ["Cup 2"]
 
 
 def test_a_fault_of_the_viewport_alone_leaves_nothing_out() -> None:

@@ -21,25 +21,39 @@ from radtex_addon.ui.operators.export_sources import export_sources
 from radtex_addon.ui.settings.request import spec_of, values_of
 from tests.blender import stage
 from tests.blender.ui_stage import context, ops, registered, settings
+from tests.finished_bakes import finished_bake
+
+pytestmark = pytest.mark.one_blender
 
 
 @pytest.fixture(autouse=True)
 def _baked(empty_file: None, out: Path) -> Iterator[None]:
     """Two cards with bakes, previews and exports, one of which holds a file of somebody else."""
     with registered():
-        stage.world()
-        settings().directory = str(out)
-        settings().atlas_layout = "buckets"
-        settings().texels, settings().bucket, settings().samples = 4, 2, 1
-        for name in ("Cup", "Plate"):
-            bpy.ops.mesh.primitive_plane_add(size=2)
-            context.object.name = name
-            assert ops.radtex.bake(object=name) == {"FINISHED"}
-            assert ops.radtex.export(object=name, target="raw") == {"FINISHED"}
-        assert ops.radtex.export(object="Cup", target="gltf") == {"FINISHED"}
+        finished_bake(out, bake_cards)
+        cards(out)
         (out / "Cup.gltf" / "mine.txt").write_text("by hand")
         (out / "Cup.notes.txt").write_text("by hand")
         yield
+
+
+def cards(out: Path) -> None:
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    stage.world()
+    settings().directory = str(out)
+    settings().atlas_layout = "buckets"
+    settings().texels, settings().bucket, settings().samples = 4, 2, 1
+    for name in ("Cup", "Plate"):
+        bpy.ops.mesh.primitive_plane_add(size=2)
+        context.object.name = name
+
+
+def bake_cards(out: Path) -> None:
+    cards(out)
+    for name in ("Cup", "Plate"):
+        assert ops.radtex.bake(object=name) == {"FINISHED"}
+        assert ops.radtex.export(object=name, target="raw") == {"FINISHED"}
+    assert ops.radtex.export(object="Cup", target="gltf") == {"FINISHED"}
 
 
 def names(out: Path) -> set[str]:

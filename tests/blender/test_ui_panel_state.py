@@ -27,7 +27,7 @@ from radtex_addon.ui.registration import CLASSES
 from radtex_addon.ui.settings.request import spec_of, values_of
 from tests.blender import stage
 from tests.blender.fingerprint import differences, fingerprint
-from tests.blender.ui_stage import context, ops, preferences, registered, settings
+from tests.blender.ui_stage import context, ops, registered, settings
 
 
 @pytest.fixture(autouse=True)
@@ -139,18 +139,6 @@ def test_bakes_that_are_shown_are_known(tmp_path: Path) -> None:
     assert [one.name for one in seen().left_out] == ["B"]
 
 
-def test_what_no_setting_settles_is_not_offered_to_be(tmp_path: Path) -> None:
-    plane("A")
-    context.object.data.uv_layers.new(name="Own")
-    plane("B")  # which lacks it
-    settings().uv_layer = "Own"
-    bpy.ops.object.select_all(action="SELECT")
-    assert (len(seen().errors), seen().next) == (1, Next.NOTHING)
-    (tmp_path / "out").mkdir()
-    (tmp_path / "out" / "A.radiance.exr").touch()
-    assert (len(seen().errors), seen().next) == (1, Next.NOTHING)  # that of B alone
-
-
 def test_what_cannot_be_is_said_and_costs_nothing() -> None:
     plane()
     settings().atlas_layout, settings().kind = "layered", "incident"
@@ -245,6 +233,7 @@ def test_looking_ahead_changes_nothing(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.one_blender
 @pytest.mark.parametrize(
     "choice",
     [
@@ -285,6 +274,7 @@ def test_figures_are_for_people() -> None:
     ]
 
 
+@pytest.mark.one_blender
 def test_a_time_is_told_at_once_and_measured_by_the_button() -> None:
     plane()
     settings().texels, settings().bucket, settings().samples = 256, 4, 8
@@ -334,22 +324,13 @@ def test_what_has_no_mesh_is_named_with_what_to_do() -> None:
     assert told.operator == "object.duplicates_make_real"
 
 
-def test_a_device_that_is_not_there_is_said_before_the_bake() -> None:
-    plane()
-    assert seen().errors == ()
-    preferences().device = "metal"
-    (error,) = seen().errors
-    assert str(error).startswith("this machine has no device 'metal' for Cycles")
-    preferences().device = "auto"
-    assert seen().errors == ()
-
-
 def test_a_storage_that_is_no_longer_there_is_said() -> None:
     plane()
     settings()["atlas_layout"] = 1
     assert any("is no longer there" in str(told) for told in seen().warnings)
 
 
+@pytest.mark.one_blender
 def test_an_unwrap_that_takes_too_long_is_replaced_in_the_measurement(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -29,9 +29,9 @@ from radtex_addon.ui.panel.panel_state import Next
 from radtex_addon.ui.settings.request import request_of, spec_of, values_of
 from tests.blender import stage
 from tests.blender.recorded_layout import RecordedLayout
-from tests.blender.ui_stage import context, ops, preferences, registered, settings
+from tests.blender.ui_stage import PATIENCE, context, finish_jobs, ops, preferences, registered, settings
 
-PATIENCE = 120.0
+pytestmark = pytest.mark.one_blender
 
 
 @pytest.fixture(autouse=True)
@@ -90,21 +90,6 @@ def test_the_button_asks_before_a_better_bake_is_replaced(out: Path) -> None:
     assert facts(out / "Card.radiance.json")["samples"] == 1
 
 
-def test_a_bake_of_another_object_is_refused_by_name(out: Path) -> None:
-    settings().directory = str(out)
-    context.object.name = "Card.Gold"
-    assert ops.radtex.bake() == {"FINISHED"}
-    context.object.name = "Card"
-    context.object.data.materials.append(stage.material("Gold", "ShaderNodeBsdfDiffuse"))
-    settings().split = "material"
-    found = panel_state.refresh(context.scene, context.view_layer)
-    assert found.next is Next.NOTHING
-    assert "is a bake of object 'Card.Gold', not of object 'Card', material Gold" in str(found.errors[0])
-    for arguments in ({}, {"overwrite_any": True}, {"resume": True}, {"only": "changed"}):
-        with pytest.raises(RuntimeError, match=r"is a bake of object 'Card\.Gold'"):
-            ops.radtex.bake(**arguments)
-
-
 @pytest.mark.parametrize(("count", "more"), [(1, ()), (8, ()), (10, ("and 2 more",))])
 def test_the_dialog_counts_those_questions_alone_that_it_does_not_show(
     count: int, more: tuple[str, ...]
@@ -113,15 +98,6 @@ def test_the_dialog_counts_those_questions_alone_that_it_does_not_show(
     draw: Any = RADTEX_OT_bake.draw
     draw(SimpleNamespace(layout=layout, _asked=asked), context)
     assert layout.texts == [*asked[:8], *more]
-
-
-def test_files_beside_each_other_have_folders_of_their_own(tmp_path: Path) -> None:
-    for name in ("a", "b"):
-        save(tmp_path / f"{name}.blend")
-        assert panel_state.refresh(context.scene, context.view_layer).next is Next.BAKE
-        assert ops.radtex.bake() == {"FINISHED"}
-        assert sidecar_of(context.scene, "Card", "") == tmp_path / "radtex" / name / "Card.radiance.json"
-    assert facts(tmp_path / "radtex/a/Card.radiance.json")["blend"] == "a.blend"
 
 
 def test_the_button_asks_before_another_files_bake_is_replaced(out: Path, tmp_path: Path) -> None:
@@ -158,7 +134,7 @@ def test_bakes_of_earlier_versions_are_found_in_the_common_folder(tmp_path: Path
 
 def test_an_unfinished_bake_in_the_common_folder_is_gone_on_with(tmp_path: Path) -> None:
     save(tmp_path / "a.blend")
-    settings().texels, settings().bucket, settings().samples = 64, 8, 16
+    settings().texels, settings().bucket, settings().samples = 64, 8, 6
     submit(directory="//radtex/")
     flat, until = tmp_path / "radtex", time.monotonic() + PATIENCE
     while not list(flat.glob("*.radtex-unfinished")) or jobs.snapshot()[0].fraction < 0.3:
@@ -173,7 +149,7 @@ def test_an_unfinished_bake_in_the_common_folder_is_gone_on_with(tmp_path: Path)
     save(tmp_path / "a.blend")
     settings().property_unset("directory")
     found = panel_state.refresh(context.scene, context.view_layer)
-    assert (found.next, found.unfinished) == (Next.RESUME, 1)
+    assert (found.next, found.errors, found.unfinished) == (Next.RESUME, (), 1)
     submit(resume=True)
     assert "radtex.bake" not in dict(drawn(0).buttons)  # that one goes on with it
     finish_jobs()
@@ -186,13 +162,6 @@ def test_an_unfinished_bake_in_the_common_folder_is_gone_on_with(tmp_path: Path)
 def submit(**choice: object) -> None:
     values = values_of(settings()) | choice
     jobs.submit(context.scene, [plan_bakes(context.scene, request_of(values, ("Card",)))])
-
-
-def finish_jobs() -> None:
-    until = time.monotonic() + PATIENCE
-    while jobs.advance():
-        assert time.monotonic() < until
-        time.sleep(0.05)
 
 
 def drawn(number: int) -> RecordedLayout:

@@ -190,17 +190,18 @@ def test_a_preset_of_an_earlier_version_says_what_is_left_out(tmp_path: Path) ->
     assert ops.radtex.preset_apply(filepath=str(path)) == {"FINISHED"}
 
 
-def test_the_preset_draft_is_in_buckets() -> None:
-    """A layered bake takes millions of paths for the surroundings, however small it is."""
-    apply_preset("draft")
-    assert spec_of(values_of(settings())) == BakeSpec(texels=64, samples=2, denoise=True)
-
-
 def test_cells_that_are_named_are_meant_also_where_they_suit() -> None:
     arguments: Any = SimpleNamespace(**values_of(settings()))
     named = values_with(settings(), arguments, ["bucket"])
     assert open_layout_of(named) == OpenLayout(Layout.LAYERED.cells)
     assert open_layout_of(values_with(settings(), arguments, ["texels"])) == OpenLayout()
+
+
+def test_a_layout_that_is_named_brings_its_cells() -> None:
+    settings().atlas_layout, settings().bucket = "buckets", 3
+    arguments: Any = SimpleNamespace(**values_of(settings()) | {"atlas_layout": "layered"})
+    named = values_with(settings(), arguments, ["atlas_layout"])
+    assert (spec_of(named).layout, spec_of(named).bucket) == (Layout.LAYERED, 14)
 
 
 def test_places_are_for_what_is_accumulated_or_refreshed() -> None:
@@ -275,7 +276,7 @@ def test_settings_become_the_spec_that_they_say() -> None:
     chosen = settings()
     chosen.atlas_layout = "layered"
     chosen.texels, chosen.samples, chosen.seed = 64, 4, 7
-    chosen.uv_layer = "UVMap"
+    chosen.uv_layer, chosen.alone = "UVMap", True
     preferences().device, preferences().memory_mb = "cpu", 4096
     expected = BakeSpec(
         layout=Layout.LAYERED,
@@ -283,6 +284,7 @@ def test_settings_become_the_spec_that_they_say() -> None:
         samples=4,
         seed=7,
         uv_layer="UVMap",
+        alone=True,
         device="cpu",
         memory_mb=4096,
     )
@@ -324,9 +326,3 @@ def test_settings_stay_with_the_file(tmp_path: Path) -> None:
     assert settings().texels == 77
     bpy.ops.scene.new(type="FULL_COPY")
     assert context.scene.radtex.texels == 77
-
-
-def test_an_operator_that_does_not_exist_is_not_taken_for_ours() -> None:
-    assert {name for name in dir(ops.radtex) if not name.startswith("_")} == {
-        cls.bl_idname.partition(".")[2] for cls in registration.CLASSES if issubclass(cls, bpy.types.Operator)
-    }

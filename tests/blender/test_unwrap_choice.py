@@ -22,6 +22,8 @@ from radtex_addon.scene.scratch import scratch_scene
 from radtex_addon.scene.uv.unwrap import unwrap_steps
 from radtex_addon.scene.uv.uv_layer import why_unfit
 
+pytestmark = pytest.mark.one_blender
+
 context: Any = bpy.context  # to the stubs, every pointer may be None
 TEXELS, PADDING = 64, 2
 

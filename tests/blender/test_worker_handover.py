@@ -288,14 +288,6 @@ def test_one_of_several_scenes_is_opened_by_its_name(jobs: Path) -> None:
         open_scene(None, demo=False, name="None")
 
 
-def test_caches_of_simulations_travel_with_the_file(jobs: Path, tmp_path: Path) -> None:
-    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "cloth.blend"))
-    (tmp_path / "blendcache_cloth").mkdir()
-    (tmp_path / "blendcache_cloth" / "a_000001_00.bphys").write_bytes(b"frame")
-    handover = hand_over(context.scene, jobs)
-    assert (handover.folder / "blendcache_cloth" / "a_000001_00.bphys").read_bytes() == b"frame"
-
-
 # where it goes
 
 

@@ -18,6 +18,8 @@ from radtex_addon.core.errors import InputError
 from radtex_addon.worker.handover import hand_over
 from radtex_addon.worker.unsaved_images import load_unsaved, save_unsaved
 
+pytestmark = pytest.mark.one_blender
+
 
 @pytest.fixture
 def painted(tmp_path: Path) -> Path:
@@ -26,13 +28,6 @@ def painted(tmp_path: Path) -> Path:
     image.update()
     assert save_unsaved(tmp_path / "images")
     return tmp_path / "images"
-
-
-def test_painted_pixels_come_back(painted: Path) -> None:
-    image: Any = bpy.data.images["Paint"]
-    image.pixels = [0.0] * 24
-    load_unsaved(painted)
-    np.testing.assert_allclose(image.pixels[:], 0.5, atol=1 / 255)
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -11,11 +12,14 @@ from typing import Any
 import bpy
 
 from radtex_addon.ui import registration
+from radtex_addon.ui.jobs import jobs
 from radtex_addon.ui.jobs.bake_times import history_file
 from radtex_addon.ui.settings.preferences import ADDON
+from radtex_addon.worker.job import Job
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
 ops: Any = bpy.ops  # and they know Blender's own operators only
+PATIENCE = 120.0  # seconds for a worker
 
 
 @contextmanager
@@ -50,3 +54,12 @@ def properties_of(cls: Any) -> list[Any]:
         found = getattr(ops.radtex, cls.bl_idname.partition(".")[2]).get_rna_type().properties
     kept = {"rna_type", "name", "bl_idname"}
     return [one for one in found if one.is_runtime and one.identifier not in kept]
+
+
+def finish_jobs() -> tuple[Job, ...]:
+    """Pulse as the timer does, until no job is left to do."""
+    until = time.monotonic() + PATIENCE
+    while jobs.advance():
+        assert time.monotonic() < until, jobs.snapshot()
+        time.sleep(0.05)
+    return jobs.snapshot()
