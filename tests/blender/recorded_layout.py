@@ -38,6 +38,11 @@ class RecordedLayout:
         assert name in known or name in data.properties.bl_rna.properties, name
         self.settings.append(name)
 
+    def prop_search(self, data: Any, name: str, _: Any, __: str, **options: Any) -> None:
+        _check("prop_search", options)
+        assert name in data.bl_rna.properties, name
+        self.settings.append(name)
+
     def prop_enum(self, data: Any, name: str, value: str, **options: Any) -> None:
         _check("prop_enum", options)
         assert value in data.bl_rna.properties[name].enum_items, value
@@ -49,6 +54,10 @@ class RecordedLayout:
 
     def column(self, **options: Any) -> RecordedLayout:
         _check("column", options)
+        return self
+
+    def split(self, **options: Any) -> RecordedLayout:
+        _check("split", options)
         return self
 
     def box(self) -> RecordedLayout:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Accumulation: k samples and k more are 2k, and what does not fit an atlas leaves it as it is."""
+"""Accumulating and refreshing: k samples and k more are 2k; what does not fit an atlas leaves it as it is."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from radtex_addon.core.errors import InputError
 from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.forms.buckets import bake as buckets
-from radtex_addon.job import bake_object
+from radtex_addon.job import BakeResult, bake_object
 from tests.blender import stage
 from tests.blender.conftest import PlannedError
 
@@ -145,3 +145,61 @@ def test_what_fails_leaves_the_atlas_and_is_resumed(out: Path, monkeypatch: pyte
 def test_what_cannot_be_accumulated_is_named(options: dict[str, Any], words: str) -> None:
     with pytest.raises(InputError, match=words):
         BakeSpec(accumulate=True, **options)
+
+
+# refreshing: what a change touches is as if baked anew, all else stays, most paths are saved
+
+FINE = BakeSpec(texels=48, bucket=4, samples=16, half=False, uv_layer="UVMap")
+AGAIN = replace(FINE, refresh=True, samples=1)
+
+
+def lit_card() -> Any:
+    """A large card in dim light, a small lamp low over one of its corners; returns the lamp."""
+    stage.world((0.1, 0.1, 0.1))
+    stage.clamps_off()
+    bpy.ops.mesh.primitive_plane_add(size=8)
+    context.object.name = "Card"
+    context.object.data.materials.append(
+        stage.material("d", "ShaderNodeBsdfDiffuse", Color=(0.8, 0.8, 0.8, 1))
+    )
+    bpy.ops.object.light_add(type="SPOT", location=(-2.5, -2.5, 1.5))
+    lamp = context.object
+    lamp.data.energy, lamp.data.spot_size, lamp.data.shadow_soft_size = 100, 1.2, 0.1
+    return lamp
+
+
+def card(out: Path, spec: BakeSpec) -> tuple[Floats, BakeResult]:
+    made = bake_object(context.scene, "Card", spec, out)
+    return read_buckets(made.files.sidecar)[0], made
+
+
+def test_what_has_changed_is_refreshed_and_all_else_stays(out: Path) -> None:
+    lamp = lit_card()
+    before, first = card(out, FINE)
+    unchanged, made = card(out, AGAIN)
+    assert np.array_equal(unchanged, before)
+    assert made.paths < first.paths / 16
+    lamp.data.energy = 300
+    refreshed, made = card(out, AGAIN)
+    anew, _ = card(out / "anew", FINE)
+    print(f"\n{made.paths} paths of {first.paths}: {made.paths / first.paths:.2f}")
+    assert made.paths < first.paths / 2
+    changed = np.abs(anew - before).mean(axis=-1)
+    left = np.abs(refreshed - anew).mean(axis=-1)
+    print(f"error {left.mean():.5f} of a change of {changed.mean():.5f}, at most {left.max():.4f}")
+    assert left.mean() < 0.05 * changed.mean()
+    assert np.array_equal(refreshed[-40:, -40:], before[-40:, -40:]), "the far corner was touched"
+    touched = (refreshed != before).any(axis=-1).mean()
+    assert 0.05 < touched < 0.5
+    assert read_sidecar(out / "Card.radiance.json").samples == 16
+    stage.world((1, 1, 1))  # light that is everywhere
+    refreshed, _ = card(out, AGAIN)
+    assert np.array_equal(refreshed, card(out / "all anew", FINE)[0])
+
+
+def test_refreshing_and_accumulating_exclude_each_other(out: Path) -> None:
+    with pytest.raises(InputError, match="contradict each other"):
+        BakeSpec(accumulate=True, refresh=True)
+    lit_card()
+    with pytest.raises(InputError, match=r"Card\.radiance\.json is not there to refresh: bake it first"):
+        card(out, AGAIN)

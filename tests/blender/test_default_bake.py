@@ -74,11 +74,6 @@ def leaf() -> Any:
     return made
 
 
-def curtain() -> Any:
-    """Red cloth, a quarter of which is holes everywhere."""
-    return stage.material("Cloth", "ShaderNodeBsdfPrincipled", Base_Color=(0.7, 0.1, 0.1, 1), Alpha=0.75)
-
-
 def alpha_of(out: Path) -> Any:
     """The alpha of each texel of the fine map, the first row at the bottom."""
     atlas, _ = read_layered(out / "Card.radiance.json")
@@ -93,14 +88,6 @@ def smoke() -> Any:
     output = tree.get_output_node("CYCLES")
     tree.links.new(tree.nodes.new("ShaderNodeVolumePrincipled").outputs[0], output.inputs["Volume"])
     return made
-
-
-def test_an_object_without_anything_odd_is_layered(tmp_path: Path, out: Path, batch: Batch) -> None:
-    ended = batch(saved(tmp_path), "--object", "Card", *QUICK, "--out", out)
-    assert (ended.code, ended.err) == (0, BACK)
-    _, sidecar = read_layered(out / "Card.radiance.json")
-    assert (sidecar.bake.width, sidecar.bake.samples) == (16, 1)
-    assert "texels, layered, at 1 spp" in ended.out
 
 
 @pytest.mark.one_blender
@@ -148,18 +135,11 @@ def test_leaves_keep_their_outline(card: Any, tmp_path: Path, out: Path, batch: 
     context.scene.render.film_transparent = True
     ended = batch(saved(tmp_path), "--object", "Card", *QUICK, "--out", out, "--save-preview")
     assert (ended.code, ended.err) == (0, BACK)
+    assert "texels, layered, at 1 spp" in ended.out
     alpha = alpha_of(out)
     middle = np.hypot(*((np.indices(alpha.shape) + 0.5) / len(alpha) * 2 - 1))
     assert alpha[middle < 0.55].min() > 0.95
     assert alpha[middle > 0.85].max() < 0.05
-
-
-def test_a_curtain_lets_a_quarter_through(card: Any, tmp_path: Path, out: Path, batch: Batch) -> None:
-    card.data.materials[0] = curtain()
-    context.scene.render.film_transparent = True
-    ended = batch(saved(tmp_path), "--object", "Card", *QUICK, "--samples", "16", "--out", out)
-    assert (ended.code, ended.err) == (0, BACK)
-    assert alpha_of(out) == pytest.approx(0.75, abs=0.01)
 
 
 @pytest.mark.one_blender

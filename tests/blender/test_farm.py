@@ -24,7 +24,6 @@ from radtex_addon.core.sampler import Filter
 from radtex_addon.farm.assemble_farm import assemble_steps
 from radtex_addon.farm.frame_list import frame_list
 from radtex_addon.farm.prepare_farm import prepare_steps
-from radtex_addon.formats.containers.exr import read_stamps
 from radtex_addon.job import bake_object
 from tests.blender.batch_process import Batch, refusal
 from tests.blender.farming import BOX, assembled, build_moving_scene, prepared, render, rewrite_frame
@@ -96,13 +95,6 @@ def test_the_file_needs_no_other_and_holds_nobodys_animation(rendered: Rendered)
     assert lamp.animation_data is None
     assert lamp.energy == 70
     assert bpy.data.texts[:] == []
-
-
-def test_every_frame_bears_its_job_and_number(rendered: Rendered) -> None:
-    job = json.loads((rendered.farm / "farm.json").read_text())["job"]
-    for number in range(1, FRAMES + 1):
-        stamps = read_stamps(rendered.farm / "frames" / f"{number:04d}.exr")
-        assert (stamps["Note"], stamps["Frame"]) == (f"RadTex job {job}", str(number))
 
 
 @pytest.mark.one_blender

@@ -223,14 +223,6 @@ def test_kinds_of_one_object_lie_side_by_side(out: Path) -> None:
     assert names(out) == {f"Card.{kind}.{ending}" for kind in Kind for ending in ("exr", "json")}
 
 
-def test_each_object_gets_its_own_light(out: Path) -> None:
-    glowing("Red", (1, 0, 0), (0, 0, 0))
-    glowing("Green", (0, 0.5, 0), (5, 0, 0))
-    for name, colour in (("Red", [1, 0, 0]), ("Green", [0, 0.5, 0])):
-        pixels = pixels_of(bake(name, TINY, out))
-        np.testing.assert_allclose(pixels[..., :3], np.broadcast_to(colour, pixels[..., :3].shape), atol=1e-3)
-
-
 def soft_shadow() -> None:
     card()
     stage.lamps()

@@ -282,9 +282,8 @@ def test_the_open_is_one_and_the_buried_is_nothing(out: Path) -> None:
 
 
 @pytest.mark.one_blender
-@pytest.mark.parametrize("slant", [0, 30])
-def test_a_long_wall_takes_its_known_share(out: Path, slant: float) -> None:
-    """Along a wall of height h, at the distance d: 1 - (1 - d / sqrt(d² + h²)) / 2."""
+def test_a_long_wall_takes_its_known_share(out: Path) -> None:
+    """Along a wall of height h, at the distance d, all of it aslant: 1 - (1 - d / sqrt(d² + h²)) / 2."""
     long, h = 400.0, 1.0
     bpy.ops.mesh.primitive_grid_add(x_subdivisions=1, y_subdivisions=1, size=2)
     context.object.name = "Floor"
@@ -297,7 +296,7 @@ def test_a_long_wall_takes_its_known_share(out: Path, slant: float) -> None:
     turn = bpy.data.objects.new("Turn", None)
     context.scene.collection.objects.link(turn)
     ground.parent = wall.parent = turn
-    turn.rotation_euler = (np.radians(slant), np.radians(slant), 0)
+    turn.rotation_euler = (np.radians(30), np.radians(30), 0)
     spec = BakeSpec(kind="ao", texels=64, bucket=8, samples=16, uv_layer="UVMap", half=False)  # type: ignore[arg-type]
     bent, value = ambient(bake_object(context.scene, "Floor", spec, out))
     for distance in (0.25, 0.5, 1.0, 2.0, 3.5):
@@ -306,7 +305,7 @@ def test_a_long_wall_takes_its_known_share(out: Path, slant: float) -> None:
         expected = 1 - (1 - d / np.hypot(d, h)) / 2
         found = float(value[:, column].mean())
         off = found / expected - 1
-        print(f"\nslant {slant}: at {d:.3f} {found:.5f}, expected {expected:.5f}: {off:+.3%}")
+        print(f"\nat {d:.3f} {found:.5f}, expected {expected:.5f}: {off:+.3%}")
         assert abs(off) < 0.01
         assert (bent[:, column, 0] > 0).all()  # away from the wall, along +x, which is along u
         np.testing.assert_allclose(bent[:, column, 1].mean(), 0, atol=0.01)

@@ -65,8 +65,8 @@ def test_a_killed_bake_is_gone_on_with_and_one_that_lives_is_not(tmp_path: Path)
     assert left_behind(killed.temporary) == []
 
 
-def test_files_are_the_same_however_often_the_bake_was_killed(tmp_path: Path) -> None:
-    tally = Torture(command(tmp_path), tmp_path, seed=7).kill(2)
+def test_files_are_the_same_wherever_the_bake_was_killed(tmp_path: Path) -> None:
+    tally = Torture(command(tmp_path), tmp_path, seed=7).kill(1)
     assert tally.problems == []
     assert tally.bakes
 

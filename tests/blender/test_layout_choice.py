@@ -54,15 +54,11 @@ def asked(line: str, folder: Path = NOWHERE) -> Choice:
     )
 
 
-def test_without_a_word_radiance_is_layered() -> None:
-    assert asked("") == Choice(DEFAULT)
-    assert (DEFAULT.texels, DEFAULT.bucket, DEFAULT.samples) == (128, 14, 16)
-
-
 @pytest.mark.parametrize(
     ("line", "spec"),
     [
         ("--texels 64 --samples 4", as_asked(layout=Layout.LAYERED, texels=64, samples=4)),
+        ("", DEFAULT),
         ("--bucket 14", DEFAULT),
         (
             "--float --compression piz",
@@ -280,11 +276,8 @@ def test_more_materials_than_a_sidecar_holds_are_refused_before_the_first_ray(
     item.data.polygons.foreach_set("material_index", range(33 * 32))
     spec = BakeSpec(layout=Layout.LAYERED, texels=64, samples=1, uv_layer="UVMap")
     monkeypatch.setattr(layered, "capture_layered", None)  # nothing is captured
-    for resume in (False, True):
-        with pytest.raises(
-            InputError, match="has 1056 materials, the layered layout holds 1024 in one atlas"
-        ):
-            bake_object(context.scene, item.name, spec, out, resume=resume)
+    with pytest.raises(InputError, match="has 1056 materials, the layered layout holds 1024 in one atlas"):
+        bake_object(context.scene, item.name, spec, out)
     assert list(out.glob("*")) == []
     assert choose_layout(context.scene, (item.name, BakeSpec()), OpenLayout(), out) == Choice(
         BakeSpec(), "it has 1056 materials, and layered holds 1024 in one atlas"

@@ -320,12 +320,9 @@ def test_all_files_of_a_layout_get_their_places_without_a_second_bake(
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="there are no signals")
-@pytest.mark.parametrize(
-    ("scenario", "kills", "offset"), [("accumulate", 1, 0.2), ("export anew", 1, 0.5)], ids=["bake", "export"]
-)
-def test_a_kill_at_a_rename_costs_nothing(scenario: str, kills: int, offset: float, tmp_path: Path) -> None:
-    outcome = Bench(tmp_path).run(scenario, kills, offset)
-    assert (outcome.kills, outcome.problems) == (kills, [])
+def test_a_kill_at_a_rename_costs_nothing(tmp_path: Path) -> None:
+    outcome = Bench(tmp_path).run("accumulate", 1, 0.2)
+    assert (outcome.kills, outcome.problems) == (1, [])
 
 
 def test_an_overwrite_in_another_layout_that_stopped_leaves_none_of_the_earlier_images(

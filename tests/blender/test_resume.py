@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -13,15 +14,18 @@ import bpy
 import numpy as np
 import pytest
 
-from radtex_addon.bake.key import KEY
+from radtex_addon.bake.key import KEY, workers
+from radtex_addon.bake.piece_format import PIECE_FORMAT
 from radtex_addon.bake.progress import Stage
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.bake.thumbnail import Thumbnail
-from radtex_addon.core.errors import BakeError, InputError
+from radtex_addon.core.errors import BakeError, FormatError, InputError
 from radtex_addon.cycles import building_blocks, portal
+from radtex_addon.formats.disk.hidden_folder import mark_of
 from radtex_addon.job import bake_object, bake_steps, check_request
 from tests.blender import stage
 from tests.blender.batch_process import Batch
+from tests.blender.farming import BOX, assembled, build_moving_scene, prepared
 from tests.blender.killed import digests
 from tests.blender.room import fill_room, save_room
 
@@ -44,11 +48,11 @@ def room(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return save_room(tmp_path_factory.mktemp("room") / "room.blend")
 
 
-def begun(out: Path, spec: BakeSpec = QUICK) -> list[str]:
-    """Bake until the first render is kept, drop it there, and name what is kept."""
+def begun(out: Path, spec: BakeSpec = QUICK, at: Stage = Stage.CAPTURE) -> list[str]:
+    """Bake until something of a stage is kept, drop it there, and name what is kept."""
     steps = bake_steps(context.scene, "Ball", spec, out)
     for step in steps:
-        if step.stage is Stage.CAPTURE and step.done:
+        if step.stage is at and step.done:
             steps.close()
             break
     return sorted(path.name for path in (out / FOLDER).iterdir())
@@ -246,3 +250,54 @@ def test_the_batch_tells_of_pictures_and_goes_on(room: Path, out: Path, tmp_path
     ended = batch(*asked, "--overwrite", "--thumbnail", path)
     assert ended.code == 2
     assert ended.err.startswith(f"radtex: --thumbnail {path}: give the name of a PNG, such as ")
+
+
+# pieces and frames of another format
+
+UNFINISHED = {
+    "tiles": (QUICK, Stage.CAPTURE),
+    "fills of hidden cells": (QUICK, Stage.FILL),
+    "layered": (BakeSpec(layout=Layout.LAYERED, texels=24, bucket=14, samples=1), Stage.CAPTURE),
+}
+
+
+@pytest.mark.parametrize("what", UNFINISHED)
+def test_pieces_of_another_format_are_refused_and_a_new_bake_is_whole(
+    what: str, out: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    spec, at = UNFINISHED[what]
+    with monkeypatch.context() as earlier:
+        earlier.setattr("radtex_addon.bake.piece_format.PIECE_FORMAT", PIECE_FORMAT - 1)
+        kept = begun(out, spec, at)
+    assert any(name.endswith(".piece") for name in kept)
+    said = (
+        f"holds pieces of format {PIECE_FORMAT - 1}, this RadTex makes those of format {PIECE_FORMAT}: "
+        "go on with the RadTex that made them, or begin anew"
+    )
+    with pytest.raises(InputError, match=said):
+        bake_object(context.scene, "Ball", spec, out, resume=True)
+    with pytest.raises(InputError, match="holds an unfinished bake"):
+        bake_object(context.scene, "Ball", spec, out)
+    assert sorted(path.name for path in (out / FOLDER).iterdir()) == kept, "nothing is deleted unasked"
+    left = out / f"{mark_of(workers(out / FOLDER)[0])}left"  # as when it was killed while it wrote
+    left.touch()
+    bake_object(context.scene, "Ball", spec, out, overwrite=True)
+    assert not left.exists()
+    bake_object(context.scene, "Ball", spec, tmp_path / "whole")
+    assert digests(out) == digests(tmp_path / "whole")
+
+
+def test_frames_of_another_format_are_not_joined(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    spec = BakeSpec(texels=16, bucket=2, samples=1)
+    scene = build_moving_scene(tmp_path)
+    with monkeypatch.context() as earlier:
+        earlier.setattr("radtex_addon.bake.piece_format.PIECE_FORMAT", PIECE_FORMAT + 1)
+        farm = prepared(scene, spec, tmp_path / "far").files.folder
+    frames = digests(farm)
+    said = (
+        f"are of format {PIECE_FORMAT + 1}, this RadTex joins those of format {PIECE_FORMAT}: assemble with"
+    )
+    with pytest.raises(FormatError, match=re.escape(said)):
+        assembled(farm)
+    assert digests(farm) == frames
+    assert not list((tmp_path / "far").glob(f"{BOX}.radiance.exr"))

@@ -125,6 +125,7 @@ def test_inside_blender_it_is_the_choice_of_who_started_it(
     bpy.ops.wm.open_mainfile(filepath=str(trap.blend), use_scripts=trusted)
     ended = batch("--object", "Card", *QUICK, "--out", out, inside_blender=True)
     assert ended.code == 0
+    assert bpy.data.filepath == str(trap.blend)
     assert (SAID in ended.err) == (not trusted)
     if trusted:
         assert trap.canaries >= {"material", "object", "render", "script"}

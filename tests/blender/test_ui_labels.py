@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The window and the command line each call a setting by their own name for it."""
+"""The window and the command line each call a setting by their own name for it, and a bake by one title."""
 
 from __future__ import annotations
 
@@ -14,10 +14,13 @@ from pathlib import Path
 import blf
 import pytest
 
+from radtex_addon.bake.bake_title import bake_title, variant_title
 from radtex_addon.bake.progress import Stage
+from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.cli import wording
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.messages import Message, Setting, do, leave_out
+from radtex_addon.job.variants import title_of, variant_of
 from radtex_addon.report.report_progress import Task
 from radtex_addon.textures.export_progress import Task as ExportTask
 from radtex_addon.ui import registration
@@ -42,6 +45,7 @@ def strings(tree: ast.AST) -> Iterator[str]:
             yield node.value
 
 
+@pytest.mark.one_blender
 def test_only_the_command_line_names_options() -> None:
     found = {
         f"{name}: {text}"
@@ -158,3 +162,16 @@ def test_times_are_rounded(seconds: float, said: str) -> None:
 )
 def test_sizes_are_rounded(count: float, said: str) -> None:
     assert labels.size(count) == said
+
+
+def test_a_title_has_what_tells_bakes_of_an_object_apart() -> None:
+    assert bake_title("Cup") == "Cup"
+    assert bake_title("Cup", part="Glaze", kind="Shadow", variant="frame 3") == "Cup, Glaze, Shadow, frame 3"
+    assert variant_title(None, ()) == ""
+    assert variant_title(0, ("Key", "Fill")) == "frame 0, light of Key, Fill"
+
+
+def test_a_bake_that_is_to_be_made_has_the_title_of_the_finished_one() -> None:
+    spec = BakeSpec(frame=3, lights=("Key",))
+    assert variant_of(spec) == variant_title(3, ("Key",))
+    assert title_of("Cup", spec) == bake_title("Cup", variant=variant_title(3, ("Key",)))

@@ -4,7 +4,9 @@
 
 from __future__ import annotations
 
+import json
 import os
+import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -18,7 +20,7 @@ from radtex_addon.cli.opening import open_scene
 from radtex_addon.core.errors import BakeError, InputError
 from radtex_addon.worker.handover import hand_over, jobs_folder, this_program
 from radtex_addon.worker.order import Handover
-from radtex_addon.worker.unsaved_images import load_unsaved
+from radtex_addon.worker.unsaved_images import load_unsaved, save_unsaved
 from tests.blender import stage
 from tests.blender.fingerprint import differences, fingerprint
 from tests.blender.lived_in import lived_in_scene
@@ -330,3 +332,77 @@ def test_folders_that_a_dead_blender_left_go_and_others_stay(jobs: Path) -> None
 def test_images_that_are_no_longer_there_are_one_line(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"holds no unsaved images .*: hand the scene over again$"):
         load_unsaved(tmp_path / "none")
+
+
+# what is handed over is looked at: images are files of their own folder, caches are files
+
+
+@pytest.fixture
+def listed_images(tmp_path: Path) -> Path:
+    image: Any = bpy.data.images.new("Paint", 3, 2)
+    image.pixels = [0.5] * 24
+    image.update()
+    assert save_unsaved(tmp_path / "images")
+    return tmp_path / "images"
+
+
+@pytest.mark.one_blender
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("file", "../secret.npy"),
+        ("file", "/etc/passwd"),
+        ("file", 7),
+        ("name", None),
+        ("tiled", "yes"),
+        ("more", 1),
+    ],
+)
+def test_a_list_that_leads_elsewhere_is_refused(key: str, value: Any, listed_images: Path) -> None:
+    listed = listed_images / "images.json"
+    (entry,) = json.loads(listed.read_text())
+    listed.write_text(json.dumps([entry | {key: value}]))
+    with pytest.raises(InputError, match=r"holds no unsaved images .*: hand the scene over again"):
+        load_unsaved(listed_images)
+
+
+@pytest.mark.one_blender
+@pytest.mark.parametrize(
+    "pixels",
+    [
+        np.zeros(3, np.uint8),
+        np.zeros((2, 3, 9), np.uint8),
+        np.zeros((0, 3, 4), np.uint8),
+        np.zeros((2, 3, 4)),
+    ],
+)
+def test_pixels_that_are_no_images_are_refused(pixels: Any, listed_images: Path) -> None:
+    np.save(listed_images / "0.npy", pixels)
+    with pytest.raises(InputError, match=r"holds no image"):
+        load_unsaved(listed_images)
+
+
+@pytest.mark.one_blender
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such files")
+@pytest.mark.parametrize("name", ["images.json", "0.npy"])
+def test_a_pipe_is_not_waited_for(name: str, listed_images: Path) -> None:
+    (listed_images / name).unlink()
+    os.mkfifo(listed_images / name)
+    with pytest.raises(InputError, match="pipe"):
+        load_unsaved(listed_images)
+
+
+@pytest.mark.one_blender
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such files")
+def test_of_a_cache_only_files_are_copied(tmp_path: Path) -> None:
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "scene.blend"))
+    caches = tmp_path / "blendcache_scene"
+    (caches / "deep").mkdir(parents=True)
+    (caches / "deep" / "1.bphys").write_bytes(b"cache")
+    os.mkfifo(caches / "pipe")
+    (caches / "endless").symlink_to("/dev/zero")
+    scene: Any = bpy.context.scene
+    handed = hand_over(scene, tmp_path / "jobs")
+    copied = handed.folder / "blendcache_scene"
+    files = [path.relative_to(copied).as_posix() for path in copied.rglob("*") if not path.is_dir()]
+    assert files == ["deep/1.bphys"]

@@ -33,7 +33,7 @@ from radtex_addon.ui.jobs.bug_report import report_of
 from radtex_addon.version import VERSION
 from radtex_addon.worker.handover import hand_over, this_program, work_folder
 from radtex_addon.worker.job import Job, State
-from radtex_addon.worker.order import Program
+from radtex_addon.worker.order import Handover, Program
 from radtex_addon.worker.orders import order_bake, order_comparison, order_export
 from radtex_addon.worker.queue import Queue
 from tests.blender import stage, worker_parent
@@ -352,6 +352,15 @@ def test_a_program_that_ends_well_and_bakes_nothing_has_failed(jobs: Path, out: 
     assert failed.state is State.FAILED
     assert str(failed.message).startswith("the bake ended early (exit code 0): ")
     queue.close()
+
+
+def test_a_file_that_is_gone_is_one_line(queue: Queue, jobs: Path, out: Path) -> None:
+    folder = jobs / "gone"
+    gone = Handover(folder, folder / "room.blend", "Scene", None, "cpu", 0.0)
+    queue.add(order_bake(gone, "Card", TINY, out))
+    (failed,) = finish(queue)
+    assert failed.state is State.FAILED
+    assert str(folder) in str(failed.message)
 
 
 @pytest.fixture
