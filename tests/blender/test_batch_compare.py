@@ -17,7 +17,7 @@ from radtex_addon.core.errors import InputError
 from radtex_addon.report.comparison_files import read_picture
 from radtex_addon.report.side_by_side import ComparisonSpec, difference
 from tests.blender import stage
-from tests.blender.batch_process import Batch, process, refusal
+from tests.blender.batch_process import Batch, refusal
 from tests.blender.test_swap import GLOW, PLAIN, bake_of, ball
 
 pytestmark = pytest.mark.one_blender
@@ -53,9 +53,11 @@ def baked(room: Path) -> Path:
     return room.parent / "baked"
 
 
-def test_a_comparison_prints_json_lines_and_leaves_three_pictures(room: Path, baked: Path, out: Path) -> None:
+def test_a_comparison_prints_json_lines_and_leaves_three_pictures(
+    room: Path, baked: Path, out: Path, batch: Batch
+) -> None:
     before = room.read_bytes()
-    ended = process(
+    ended = batch(
         *("compare", room, "--object", "Ball", "--bake", baked, "--out", out),
         *("--pixels", "64", "--samples", "4", "--min-psnr", "100", "--progress", "json"),
     )

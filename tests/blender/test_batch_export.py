@@ -26,7 +26,7 @@ from radtex_addon.export import web
 from radtex_addon.job import bake_object
 from radtex_addon.textures.export_spec import Arrangement, ExportSpec, Target, TextureFormat
 from tests.blender import stage
-from tests.blender.batch_process import BAKE, Batch, Outcome, process, refusal
+from tests.blender.batch_process import BAKE, Batch, Outcome, refusal
 
 pytestmark = pytest.mark.one_blender
 
@@ -58,9 +58,9 @@ def bake(bakes: Path, tmp_path: Path) -> Path:
     return Path(shutil.copytree(bakes, tmp_path / "baked"))
 
 
-def test_an_export_prints_json_lines_and_leaves_one_folder(bake: Path) -> None:
+def test_an_export_prints_json_lines_and_leaves_one_folder(bake: Path, batch: Batch) -> None:
     before = set(bake.iterdir())
-    ended = process("export", bake, "--object", "Ball", "--to", "gltf", "--progress", "json")
+    ended = batch("export", bake, "--object", "Ball", "--to", "gltf", "--progress", "json")
     assert (ended.code, ended.err) == (0, "")
     *progress, done = [json.loads(line) for line in ended.out.splitlines()]
     assert {event["event"] for event in progress} == {"progress"}

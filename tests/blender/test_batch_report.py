@@ -17,7 +17,7 @@ from radtex_addon.core.errors import InputError
 from radtex_addon.job import bake_object
 from radtex_addon.report.report_bake import ReportSpec
 from tests.blender import stage
-from tests.blender.batch_process import Batch, process, refusal
+from tests.blender.batch_process import Batch, refusal
 
 pytestmark = pytest.mark.one_blender
 
@@ -53,9 +53,9 @@ def page(tmp_path: Path) -> Path:
     return tmp_path / "page.html"
 
 
-def test_a_report_prints_json_lines_and_leaves_one_page(room: Path, baked: Path) -> None:
+def test_a_report_prints_json_lines_and_leaves_one_page(room: Path, baked: Path, batch: Batch) -> None:
     before, files = room.read_bytes(), set(baked.iterdir())
-    ended = process("report", baked, "--scene", room, *QUICK, "--min-psnr", "20", "--progress", "json")
+    ended = batch("report", baked, "--scene", room, *QUICK, "--min-psnr", "20", "--progress", "json")
     assert (ended.code, ended.err) == (0, "")
     *progress, done = [json.loads(line) for line in ended.out.splitlines()]
     assert {event["event"] for event in progress} == {"progress"}

@@ -19,7 +19,6 @@ import pytest
 from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.errors import BakeError, InputError
 from radtex_addon.job import bake_object
-from tests.bench.kills import Torture
 from tests.blender.disk import small_disk, unavailable
 from tests.blender.killed import Command, digests, left_behind
 from tests.blender.room import fill_room, save_room
@@ -63,12 +62,6 @@ def test_a_killed_bake_is_gone_on_with_and_one_that_lives_is_not(tmp_path: Path)
     assert (resumed.code, resumed.err, resumed.warnings) == (0, "", [])
     assert digests(out) == digests(whole)
     assert left_behind(killed.temporary) == []
-
-
-def test_files_are_the_same_wherever_the_bake_was_killed(tmp_path: Path) -> None:
-    tally = Torture(command(tmp_path), tmp_path, seed=7).kill(1)
-    assert tally.problems == []
-    assert tally.bakes
 
 
 def test_a_signal_ends_a_bake_in_the_midst_of_a_long_render(tmp_path: Path) -> None:

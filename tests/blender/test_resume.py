@@ -257,7 +257,6 @@ def test_the_batch_tells_of_pictures_and_goes_on(room: Path, out: Path, tmp_path
 UNFINISHED = {
     "tiles": (QUICK, Stage.CAPTURE),
     "fills of hidden cells": (QUICK, Stage.FILL),
-    "layered": (BakeSpec(layout=Layout.LAYERED, texels=24, bucket=14, samples=1), Stage.CAPTURE),
 }
 
 

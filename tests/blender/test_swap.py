@@ -513,11 +513,11 @@ def _other_layer(sidecar: Path) -> None:
     [
         (_no_atlas, True, InputError, r"Ball\.radiance\.exr is missing.*put it back, or bake again"),
         (_damaged, False, FormatError, r"Ball\.radiance\.exr: Blender reads no image in it; bake again"),
-        (_no_preview, True, InputError, r"Ball\.preview\.blend is missing.*bake again with a preview"),
+        (_no_preview, False, InputError, r"Ball\.preview\.blend is missing.*bake again with a preview"),
         (_no_blend, False, FormatError, r"Ball\.preview\.blend is no \.blend that this Blender reads"),
-        (_no_sidecar, True, FormatError, r"Ball\.radiance\.json cannot be read"),
+        (_no_sidecar, False, FormatError, r"Ball\.radiance\.json cannot be read"),
         (_other_object, False, FormatError, r"Ball\.preview\.blend holds no mesh 'Cube'"),
-        (_other_layer, True, FormatError, r"of another bake than its sidecar"),
+        (_other_layer, False, FormatError, r"of another bake than its sidecar"),
     ],
 )
 def test_files_that_are_missing_or_spoilt_are_named(
