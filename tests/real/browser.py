@@ -32,7 +32,20 @@ _FLAGS = (
     "--remote-debugging-port=0",
 )
 SOFTWARE_GL = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist")
+# Tells how many callbacks wait for the next frame: a page of ours draws in those alone.
+_COUNT_FRAMES = """
+    const asked = window.requestAnimationFrame.bind(window);
+    window.awaitedFrames = 0;
+    window.requestAnimationFrame = (drawn) => {
+        window.awaitedFrames++;
+        return asked((now) => {
+            window.awaitedFrames--;
+            drawn(now);
+        });
+    };
+"""
 _START = 60.0  # seconds that Chromium may take
+PATIENCE = 120_000  # milliseconds: without a GPU, and beside other tests, a frame may take seconds
 TO_GLTF = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]], dtype=np.float64)
 
 
@@ -53,6 +66,15 @@ def chromium(root: Root, driver: BrowserType, *flags: str) -> Iterator[Browser]:
             yield browser
         finally:
             browser.close()
+
+
+def tab_of(browser: Browser, before: str = "", **context: Any) -> Page:
+    """A new tab, which may be `Shown`, in a context of its own; `before` runs before its pages' scripts."""
+    tab = browser.new_context(**context)
+    tab.set_default_timeout(PATIENCE)
+    page = tab.new_page()
+    page.add_init_script(_COUNT_FRAMES + before)
+    return page
 
 
 class _Quiet(http.server.SimpleHTTPRequestHandler):
@@ -76,7 +98,7 @@ def served(folder: Path) -> Iterator[str]:
 
 @dataclass(frozen=True)
 class Shown:
-    """An opened page of the web export."""
+    """An opened page of the web export, in a tab of `tab_of`."""
 
     page: Page
 
@@ -87,20 +109,13 @@ class Shown:
         return self
 
     def still(self) -> None:
-        """Until two screenshots are the same."""
-        before = self.screen()
-        for _ in range(40):
-            self.page.wait_for_timeout(150)
-            now = self.screen()
-            if np.array_equal(now, before):
-                return
-            before = now
-        raise AssertionError("the picture does not come to rest")
+        """Until nothing waits for another frame."""
+        self.page.wait_for_function("awaitedFrames === 0")
 
     def screen(self) -> Floats:
         """What the screen shows, (H, W, 3) in [0, 1], without the line that tells the frame rate."""
         hidden = "#status { visibility: hidden }"
-        with Image.open(io.BytesIO(self.page.screenshot(style=hidden))) as image:
+        with Image.open(io.BytesIO(self.page.screenshot(style=hidden, animations="disabled"))) as image:
             return np.asarray(image.convert("RGB"), dtype=np.float32) / 255
 
     @staticmethod

@@ -7,18 +7,22 @@ from __future__ import annotations
 import faulthandler
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import cache
 from pathlib import Path
 
 import moderngl
 import pytest
 from playwright.sync_api import BrowserType, sync_playwright
 
+from radtex_addon.bake.spec import Kind, View
 from tests.blender import surroundings
+from tests.blender.furnished_room import bake_room
 from tests.real.browser import SOFTWARE_GL, chromium, served
 from tests.real.engines import Compilers
 from tests.real.exhibit import Exhibit, Form
 from tests.real.installable import build_zip, with_wheels
+from tests.real.kinds import SPECS, KindBake, baked
 from tests.real.mirror_scene import Stage
 from tests.real.panel import radtex_window
 from tests.real.root import BLENDER, COMPILERS, PROGRAMS, Recipe, Root, RootUnavailableError, ready_root
@@ -48,6 +52,29 @@ def exhibit(tmp_path_factory: pytest.TempPathFactory) -> Exhibit:
 
 
 @pytest.fixture(scope="session")
+def kind_bake(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., KindBake]:
+    """Bakes by kind, cells and view, made when they are first asked for."""
+    folder = tmp_path_factory.mktemp("kinds")
+
+    def made(kind: Kind, cells: int | None = None, view: View = View.NORMAL) -> KindBake:
+        return once(kind, cells or SPECS[kind].bucket, view)
+
+    @cache
+    def once(kind: Kind, cells: int, view: View) -> KindBake:
+        return baked(kind, folder / f"{kind}-{cells}-{view}", cells, view)
+
+    return made
+
+
+@pytest.fixture(scope="session")
+def room(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
+    """Bakes of a room; its last three are trees, which stand beside what the cameras see."""
+    with pytest.MonkeyPatch.context() as patch:
+        surroundings.make_small(patch)
+        return bake_room(tmp_path_factory.mktemp("room"))
+
+
+@pytest.fixture(scope="session")
 def stages(tmp_path_factory: pytest.TempPathFactory) -> dict[Form, Stage]:
     """What a mirror ball moves through, and how Cycles sees it there."""
     folder = tmp_path_factory.mktemp("stages")
@@ -55,9 +82,11 @@ def stages(tmp_path_factory: pytest.TempPathFactory) -> dict[Form, Stage]:
 
 
 @pytest.fixture(scope="session")
-def root(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Root:
+def root(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Root]:
     """Godot, Chromium and the others in a Debian of their own, which the first use builds."""
-    return _root(PROGRAMS, request.config, tmp_path_factory)
+    root = _root(PROGRAMS, request.config, tmp_path_factory)
+    yield root
+    root.end_servers()
 
 
 @pytest.fixture(scope="session")

@@ -8,6 +8,7 @@ import json
 import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -51,6 +52,14 @@ RadTex="*res://addons/radtex/runtime.gd"
 
 enabled=PackedStringArray("res://addons/radtex/plugin.cfg")
 """  # as the editor writes it when one enables the plugin
+_IMPORTER = """[plugin]
+
+name="Importer"
+description=""
+author=""
+version=""
+script="importer.gd"
+"""
 _IMPORT = """[remap]
 
 importer="scene"
@@ -64,7 +73,7 @@ source_file="res://{mesh}"
 [params]
 
 """
-_PLACED = ('[ext_resource type="PackedScene" path="res://{mesh}" id="1"]', 'instance=ExtResource("1")]')
+_PLACED = ('[ext_resource type="PackedScene" path="{mesh}" id="1"]', 'instance=ExtResource("1")]')
 _LOADED = (
     '[ext_resource type="Script" path="res://loads.gd" id="1"]',
     'type="Node3D"]\nscript = ExtResource("1")',
@@ -120,27 +129,31 @@ class Job:
 
 
 def answers(root: Root, renderer: str, jobs: Sequence[Job]) -> list[Floats]:
-    """Each job's answers, (SIDE², 4) float32, from one start of Godot."""
-    folder, inside = root.shared("godot")
-    shutil.copytree(_PROJECT, folder, dirs_exist_ok=True)
+    """Each job's answers, (SIDE², 4) float32, by the renderer's Godot that stays open."""
+    gallery = gallery_of(root)
+    folder, place = gallery.new_folder()
     for path in SHADERS.glob("*.gdshaderinc"):
         shutil.copy(path, folder)
     described = []
     for number, job in enumerate(jobs):
         (folder / f"{number}.gdshader").write_text(job.shader, encoding="utf-8")
-        textures = {name: _stored(folder, f"{number}.{name}", image) for name, image in job.textures.items()}
+        textures = {
+            name: _stored(folder, place, f"{number}.{name}", image) for name, image in job.textures.items()
+        }
         described.append(
             {
-                "shader": f"res://{number}.gdshader",
+                "shader": f"{place}/{number}.gdshader",
                 "textures": textures,
                 "values": dict(job.values),
                 "size": [4 * SIDE, SIDE],
-                "output": f"res://{number}.answers",
+                "output": f"{place}/{number}.answers",
             }
         )
-    (folder / "jobs.json").write_text(json.dumps(described), encoding="utf-8")
-    run_godot(root, ["--path", inside, *RENDERERS[renderer], "--script", "res://draw.gd"])
-    return [_answered(folder / f"{number}.answers") for number in range(len(jobs))]
+    (folder / "asked.json").write_text(json.dumps({"jobs": described}), encoding="utf-8")
+    _ask(root, gallery.inside, renderer, f"{place}/asked.json")
+    found = [_answered(folder / f"{number}.answers") for number in range(len(jobs))]
+    shutil.rmtree(folder)
+    return found
 
 
 @dataclass(frozen=True)
@@ -166,7 +179,7 @@ class Shot:
     as_nodes: bool = False
 
     def facts(self, output: str) -> dict[str, object]:
-        """What shoot.gd must know; matrices are Godot's, rows of four."""
+        """What serve.gd must know; matrices are Godot's, rows of four."""
         angle = np.radians(self.turn)
         turned = np.eye(4)
         turned[0, 0] = turned[2, 2] = np.cos(angle)
@@ -185,49 +198,121 @@ class Shot:
             "sky": self.sky,
             "copies": [matrix.tolist() for matrix in self.copies],
             "as_nodes": self.as_nodes,
+            "pixels": self.camera.pixels,
             "output": output,
         }
 
 
-def dropped(root: Root, export: Path, *, at_run_time: bool = False) -> tuple[Path, str]:
-    """An empty project with the addon, enabled, and the files of an export, after Godot's import.
+@dataclass
+class Gallery:
+    """A project with the addon, enabled, for all exports of a run, each in a folder of its own.
 
-    Its main scene has the .glb, and what `pictures` needs. `at_run_time`: the editor does not see the files,
-    the scene loads them.
+    One editor imports them, and one Godot for each renderer shows them: these stay open.
     """
-    folder, inside = filled(root, export, at_run_time=at_run_time)
-    run_godot(root, ["--headless", "--path", inside, "--import"])
-    return folder, inside
+
+    root: Root
+    folder: Path
+    inside: str
+    count: int = 0
+    new: list[str] = field(default_factory=list)  # meshes that are not imported
+
+    def new_folder(self) -> tuple[Path, str]:
+        """A folder of the project, and its path there."""
+        self.count += 1
+        folder = self.folder / str(self.count)
+        folder.mkdir()
+        return folder, f"res://{self.count}"
+
+    def import_all(self) -> None:
+        """Have the editor import what is new."""
+        if self.new:
+            argv = ["godot", "--audio-driver", "Dummy", "--headless", "--editor", "--path", self.inside]
+            _unless_error(self.root.ask(screen(argv), " ".join(self.new)))
+            self.new.clear()
 
 
-def filled(
-    root: Root, export: Path, *, at_run_time: bool = False, settings: Mapping[str, object] | None = None
-) -> tuple[Path, str]:
-    """The project of `dropped` before Godot's import; `settings` are the Import dock's of the mesh."""
+@cache
+def gallery_of(root: Root) -> Gallery:
+    """The root's gallery, empty at first."""
+    folder, inside = root.shared("gallery")
+    enabled = '"res://addons/radtex/plugin.cfg"'
+    facts = (_PROJECT / "project.godot").read_text(encoding="utf-8") + _ENABLED
+    facts = facts.replace(enabled, f'{enabled}, "res://addons/importer/plugin.cfg"')
+    (folder / "project.godot").write_text(facts, encoding="utf-8")
+    copy_addon(folder)
+    importer = folder / "addons" / "importer"
+    importer.mkdir()
+    (importer / "plugin.cfg").write_text(_IMPORTER, encoding="utf-8")
+    for name, place in (("importer.gd", importer), ("serve.gd", folder), ("loads.gd", folder)):
+        shutil.copy(_PROJECT / name, place)
+    return Gallery(root, folder, inside)
+
+
+@dataclass(frozen=True)
+class Placed:
+    """An export in the gallery: its `folder` here, and `place` there."""
+
+    gallery: Gallery
+    folder: Path
+    place: str
+
+    def pictures(self, renderer: str, shots: Sequence[Shot]) -> list[Picture]:
+        """Linear light (H, W, 3) of each shot of its scene, rows from the top, clipped to 0..1."""
+        self.gallery.import_all()
+        return _shown(self.gallery.root, self.gallery.inside, self.folder, self.place, renderer, shots)
+
+
+def placed(root: Root, export: Path, *, at_run_time: bool = False) -> Placed:
+    """The files of an export in the gallery, as one drops them into a project that has the addon.
+
+    A project's scene comes along, others get one. `at_run_time`: the editor does not see the files, the scene
+    loads them.
+    """
+    gallery = gallery_of(root)
+    folder, place = gallery.new_folder()
+    mesh = _fill(folder, place, export, at_run_time=at_run_time)
+    if not at_run_time:
+        gallery.new.append(f"{place}/{mesh}")
+    return Placed(gallery, folder, place)
+
+
+def filled(root: Root, export: Path, *, settings: Mapping[str, object] | None = None) -> tuple[Path, str]:
+    """A project of its own with an export's files; `settings` are the Import dock's of the mesh."""
     folder, inside = root.shared("dropped")
     facts = (_PROJECT / "project.godot").read_text(encoding="utf-8")
     (folder / "project.godot").write_text(facts + _ENABLED, encoding="utf-8")
     copy_addon(folder)
-    manifest = read_manifest(next(export.glob("*.export.json")))
-    names = [manifest.mesh, *(entry.file for entry in manifest.textures.values())]
-    if manifest.mirror:
-        names.append(manifest.mirror.entry.file)
+    mesh = _fill(folder, "res:/", export)
+    if settings:
+        lines = [f"{name}={json.dumps(value)}" for name, value in settings.items()]
+        text = _IMPORT.format(mesh=mesh) + "\n".join(lines)
+        (folder / f"{mesh}.import").write_text(text, encoding="utf-8")
+    return folder, inside
+
+
+def _fill(folder: Path, place: str, export: Path, *, at_run_time: bool = False) -> str:
+    """Copy a project's files, or those that an export names, and a scene; returns the mesh's name."""
+    scene = export / "main.tscn"
+    names = [path.name for path in export.iterdir() if path.is_file() and path.name != "project.godot"]
+    mesh = next(name for name in names if name.endswith(".glb"))
+    if not scene.exists():
+        manifest = read_manifest(next(export.glob("*.export.json")))
+        named = {mesh, *(entry.file for entry in manifest.textures.values())}
+        names = [name for name in names if name in named]
     files = folder / "files" if at_run_time else folder
     files.mkdir(exist_ok=True)
     for name in names:
-        if (export / name).exists():
-            shutil.copy(export / name, files)
-    head, node = _LOADED if at_run_time else _PLACED
+        shutil.copy(export / name, files)
     if at_run_time:
         (files / ".gdignore").touch()
-        shutil.copy(_PROJECT / "loads.gd", folder)
-    if settings:
-        lines = [f"{name}={json.dumps(value)}" for name, value in settings.items()]
-        text = _IMPORT.format(mesh=manifest.mesh) + "\n".join(lines)
-        (folder / f"{manifest.mesh}.import").write_text(text, encoding="utf-8")
-    scene = _SCENE.format(head=head.format(mesh=manifest.mesh), node=node)
-    (folder / "main.tscn").write_text(scene, encoding="utf-8")
-    return folder, inside
+    head, node = _LOADED if at_run_time else _PLACED
+    text = _SCENE.format(head=head.format(mesh=f"{place}/{mesh}"), node=node)
+    if scene.exists():
+        text = scene.read_text(encoding="utf-8")
+        for name in (mesh, "orbit.gd"):
+            text = text.replace(f'"res://{name}"', f'"{place}/{name}"')
+    (folder / "main.tscn").write_text(text, encoding="utf-8")
+    return mesh
 
 
 def imported(root: Root, project: Path) -> tuple[Path, str]:
@@ -241,23 +326,40 @@ def imported(root: Root, project: Path) -> tuple[Path, str]:
 def pictures(root: Root, project: tuple[Path, str], renderer: str, shots: Sequence[Shot]) -> list[Picture]:
     """Linear light (H, W, 3) of each shot of an imported project, rows from the top, clipped to 0..1."""
     folder, inside = project
-    shutil.copy(_PROJECT / "shoot.gd", folder)
+    shutil.copy(_PROJECT / "serve.gd", folder)
+    found = _shown(root, inside, folder, "res:/", renderer, shots)
+    root.end_server(_serving(inside, renderer))
+    return found
+
+
+def _shown(
+    root: Root, inside: str, folder: Path, place: str, renderer: str, shots: Sequence[Shot]
+) -> list[Picture]:
     outputs = [f"{number}.png" for number in range(len(shots))]
-    facts = [shot.facts(f"res://{output}") for shot, output in zip(shots, outputs, strict=True)]
-    (folder / "shots.json").write_text(json.dumps(facts), encoding="utf-8")
-    (pixels,) = {shot.camera.pixels for shot in shots}
-    size = f"{pixels}x{pixels}"
-    arguments = [
-        "--path",
-        inside,
-        *ALL_RENDERERS[renderer],
-        "--resolution",
-        size,
-        "--script",
-        "res://shoot.gd",
-    ]
-    run_godot(root, arguments)
-    return [light_of(folder / output) for output in outputs]
+    facts = [shot.facts(f"{place}/{output}") for shot, output in zip(shots, outputs, strict=True)]
+    asked = {"scene": f"{place}/main.tscn", "shots": facts}
+    (folder / "asked.json").write_text(json.dumps(asked), encoding="utf-8")
+    _ask(root, inside, renderer, f"{place}/asked.json")
+    taken = [light_of(folder / output) for output in outputs]
+    for output, shot, picture in zip(outputs, shots, taken, strict=True):
+        assert picture.shape == (shot.camera.pixels, shot.camera.pixels, 3), picture.shape
+        (folder / output).unlink()
+    return taken
+
+
+def _serving(inside: str, renderer: str) -> list[str]:
+    """The Godot of a project that draws what it is asked for."""
+    godot = ["godot", "--audio-driver", "Dummy", "--path", inside, *ALL_RENDERERS[renderer]]
+    return screen([*godot, "--resolution", "256x256", "--script", "res://serve.gd"])
+
+
+def _ask(root: Root, inside: str, renderer: str, path: str) -> None:
+    """Have a project's Godot draw what a file asks for; AssertionError where it found an error."""
+    _unless_error(root.ask(_serving(inside, renderer), path))
+
+
+def _unless_error(said: str) -> None:
+    assert "ERROR" not in said, said
 
 
 def light_of(path: Path) -> Picture:
@@ -275,7 +377,7 @@ def linear(shown: Floats) -> Picture:
 def run_godot(root: Root, arguments: Sequence[str], timeout: float = 240) -> str:
     """Run Godot before a screen of its own; AssertionError, with what it said, where it found an error."""
     said = said_by_godot(root, arguments, timeout)
-    assert "ERROR" not in said, said
+    _unless_error(said)
     return said
 
 
@@ -297,11 +399,11 @@ def _sampler(image: Image) -> str:
     return "sampler2DArray" if isinstance(first, np.ndarray) and first.ndim == 4 else "sampler2D"
 
 
-def _stored(folder: Path, name: str, image: Image) -> dict[str, object]:
-    """Write a texture beside the project; what draw.gd must know to load it."""
+def _stored(folder: Path, place: str, name: str, image: Image) -> dict[str, object]:
+    """Write a texture beside the project; what serve.gd must know to load it."""
     if isinstance(image, Path):
         shutil.copy(image, folder / f"{name}{image.suffix}")
-        return {"file": f"res://{name}{image.suffix}"}
+        return {"file": f"{place}/{name}{image.suffix}"}
     levels = [_layers(level) for level in (image if isinstance(image, list) else [image])]
     while len(levels) > 1 and max(levels[-1].shape[1:3]) > 1:  # Godot wants all, of which a lookup sees none
         count, height, width = levels[-1].shape[:3]
@@ -310,7 +412,7 @@ def _stored(folder: Path, name: str, image: Image) -> dict[str, object]:
     (folder / f"{name}.raw").write_bytes(b"".join(part.tobytes() for layer in layers for part in layer))
     count, height, width = levels[0].shape[:3]
     return {
-        "file": f"res://{name}.raw",
+        "file": f"{place}/{name}.raw",
         "half": levels[0].dtype == np.float16,
         "mipmaps": len(levels) > 1,
         "layers": count,

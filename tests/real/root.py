@@ -20,11 +20,12 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 import urllib.error
 import urllib.request
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -48,6 +49,7 @@ _ENVIRONMENT = {
     "HOME": "/root",
     "LANG": "C.UTF-8",
 }
+ANSWERED = "ANSWERED"  # the line that ends an answer of a Server
 # Where Mesa and Godot find the shaders again that they compiled when they were started before.
 _KEPT = {"XDG_CACHE_HOME": "/shared/.kept/cache", "XDG_DATA_HOME": "/shared/.kept/data"}
 
@@ -124,6 +126,10 @@ class RootUnavailableError(Exception):
     """One line that says why this machine cannot have the root."""
 
 
+class ServerEndedError(Exception):
+    """A program that answers lines has ended; what it said."""
+
+
 class Started(subprocess.Popen[bytes]):
     """A program in the root. Whatever it started itself ends with it."""
 
@@ -133,6 +139,50 @@ class Started(subprocess.Popen[bytes]):
     def __exit__(self, *error: Any) -> None:
         self.kill()
         super().__exit__(*error)
+
+
+class Server:
+    """A program in the root that answers lines: it reads one, says what it has to say, then `ANSWERED`.
+
+    Started once, it saves each of many questions its start. It ends where its input does.
+    """
+
+    def __init__(self, command: Sequence[str]) -> None:
+        self._process = subprocess.Popen(
+            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+        )
+
+    def ask(self, line: str, timeout: float) -> str:
+        """What it says to a line. Raises ServerEndedError, with what it said, where it ended."""
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        said: list[str] = []
+        patience = threading.Timer(timeout, self._process.kill)
+        patience.start()
+        try:
+            with suppress(BrokenPipeError):
+                self._process.stdin.write(f"{line}\n")
+                self._process.stdin.flush()
+            for answer in self._process.stdout:
+                if answer == f"{ANSWERED}\n":
+                    return "".join(said)
+                said.append(answer)
+        finally:
+            patience.cancel()
+        raise ServerEndedError("".join(said))
+
+    def end(self) -> None:
+        """Let it end by itself, so that what it cost is known, or end it."""
+        assert self._process.stdin is not None
+        with suppress(BrokenPipeError):
+            self._process.stdin.close()
+        try:
+            self._process.wait(10)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+        assert self._process.stdout is not None
+        self._process.stdout.close()
 
 
 @dataclass(frozen=True)
@@ -175,10 +225,37 @@ class Root:
         with (log or Path(os.devnull)).open("wb") as output:
             return Started(command, stdin=subprocess.DEVNULL, stdout=output, stderr=subprocess.STDOUT)
 
+    def server(self, argv: Sequence[str]) -> Server:
+        """The program that answers lines, started when it is first asked for, and again after it ended."""
+        known = (self, tuple(argv))
+        if known not in _SERVERS:
+            _SERVERS[known] = Server(self.command(argv))
+        return _SERVERS[known]
+
+    def ask(self, argv: Sequence[str], line: str, timeout: float = 240) -> str:
+        """What that program says to a line. Raises ServerEndedError where it ended."""
+        try:
+            return self.server(argv).ask(line, timeout)
+        except ServerEndedError:
+            self.end_server(argv)
+            raise
+
+    def end_server(self, argv: Sequence[str]) -> None:
+        """End a program that answers lines."""
+        _SERVERS.pop((self, tuple(argv))).end()
+
+    def end_servers(self) -> None:
+        """End all programs that answer lines."""
+        for known in [known for known in _SERVERS if known[0] == self]:
+            _SERVERS.pop(known).end()
+
     def shared(self, name: str) -> tuple[Path, str]:
         """A new folder that both sides see: its path here and its path inside."""
         folder = Path(tempfile.mkdtemp(prefix=f"{name}-", dir=self.exchange))
         return folder, f"/shared/{folder.name}"
+
+
+_SERVERS: dict[tuple[Root, tuple[str, ...]], Server] = {}
 
 
 def screen(argv: Sequence[str], width: int = 1280, height: int = 720) -> list[str]:

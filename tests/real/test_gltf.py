@@ -17,7 +17,6 @@ from radtex_addon.export.exporting_scene import export_scene_steps
 from radtex_addon.formats.containers.glb import Glb
 from radtex_addon.textures.export_spec import ExportSpec, Target
 from tests.blender.every_kind import EXPORTS, bake_every_kind
-from tests.blender.furnished_room import bake_room
 from tests.gltf_schema import EXTENSION_FOLDER
 from tests.real.exhibit import Bake, Exhibit, Form
 from tests.real.web import build_page, node
@@ -67,13 +66,13 @@ def test_the_validator_finds_no_error(form: Form, exhibit: Exhibit, tmp_path: Pa
     assert facts["resources"][1]["image"]["transfer"] == "srgb"
 
 
-def test_every_kind_and_a_scene_have_no_error_and_no_warning(tmp_path: Path) -> None:
+def test_every_kind_and_a_scene_have_no_error_and_no_warning(room: list[Path], tmp_path: Path) -> None:
     sidecars = bake_every_kind(tmp_path / "bakes")
     told = codes(validated(EXTENSION_FOLDER / "example" / "Ball.glb"))
     for name, (kind, spec) in EXPORTS.items():
         made = finished(export_steps(sidecars[kind], spec, tmp_path / name))
         told |= codes(validated(made.folder / f"{made.name}.glb"))
-    steps = export_scene_steps(bake_room(tmp_path / "room"), ExportSpec(Target.GLTF), "Room")
+    steps = export_scene_steps(room, ExportSpec(Target.GLTF), "Room", tmp_path / "room")
     told |= codes(validated(finished(steps).folder / "Room.glb"))
     print(sorted(told))
     assert told == KNOWN

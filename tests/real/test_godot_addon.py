@@ -11,7 +11,6 @@ import os
 import shutil
 from collections import deque
 from collections.abc import Callable
-from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -30,8 +29,8 @@ from radtex_addon.report.metrics import Picture, display
 from radtex_addon.textures.export_spec import Arrangement, ExportSpec, Target, TextureFormat
 from tests.gltf_schema import EXTENSION_FOLDER
 from tests.real.exhibit import CAMERAS, Camera, Exhibit, Form, decibels
-from tests.real.godot import ALL_RENDERERS, MOBILE, Shot, dropped, filled, pictures, said_by_godot
-from tests.real.kinds import SPECS, KindBake, Sun, baked
+from tests.real.godot import ALL_RENDERERS, MOBILE, Placed, Shot, filled, pictures, placed, said_by_godot
+from tests.real.kinds import KindBake, Sun
 from tests.real.root import Root
 from tests.real.test_godot_project import flat_picture
 
@@ -59,13 +58,6 @@ SUNS = (Sun(-40, 45), Sun(-40, 45, 30), Sun(110, 20, 8))
 LIGHTS = (Sun(-40, 45, strength=3), Sun(180, 10, strength=5, colour="#ffc080"), Sun(90, -30, strength=2))
 
 
-@pytest.fixture(scope="session")
-def kind_bake(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., KindBake]:
-    """Bakes by kind and cells, made when they are first asked for."""
-    folder = tmp_path_factory.mktemp("kinds")
-    return cache(lambda kind, cells=None: baked(kind, folder / f"{kind}{cells or SPECS[kind].bucket}", cells))
-
-
 def exported(sidecar: Path, spec: ExportSpec, folder: Path) -> Path:
     deque(export_steps(sidecar, spec, folder / "export"), maxlen=0)
     return folder / "export"
@@ -78,12 +70,12 @@ def test_a_dropped_export_shows_what_the_reference_does(
     """In all renderers; of other textures than the targets' own choice in one of each family."""
     form, spec = DROPPED[name]
     bake = exhibit.layered if form is Form.LAYERED else exhibit.plain
-    place = dropped(root, exported(bake.sidecar, spec, tmp_path))
+    place = placed(root, exported(bake.sidecar, spec, tmp_path))
     filtering = QUADRILINEAR if form is Form.PLAIN and name != "slices" else {}
     shots = [Shot(FRONT, filtering), Shot(FRONT, filtering, turn=70)]
     own = name.removesuffix(", layered") in (Target.WEB, Target.GLTF)
     for renderer in ALL_RENDERERS if own else ("Compatibility", MOBILE):
-        for shot, picture in zip(shots, pictures(root, place, renderer, shots), strict=True):
+        for shot, picture in zip(shots, place.pictures(renderer, shots), strict=True):
             found = decibels(picture, bake.picture(FRONT), bake.eroded(FRONT))
             print(f"{name}, {renderer}, turned by {shot.turn}: {found:.1f} dB")
             assert found > LEAST
@@ -95,20 +87,20 @@ def test_lights_of_the_scene_cast_baked_shadows(
 ) -> None:
     made = kind_bake(Kind.SHADOW, cells)
     target = Target.GODOT if cells == 8 else Target.GLTF
-    place = dropped(root, exported(made.sidecar, ExportSpec(target), tmp_path))
+    place = placed(root, exported(made.sidecar, ExportSpec(target), tmp_path))
     shots = [
         Shot(camera, {"sun_angle": sun.size}, sun=sun) for camera, sun in zip(CAMERAS, SUNS, strict=True)
     ]
-    _compare(made, root, place, [*shots, _by_its_own_sun(SUNS[0])], [*SUNS, SUNS[0]])
+    _compare(made, place, [*shots, _by_its_own_sun(SUNS[0])], [*SUNS, SUNS[0]])
 
 
 def test_lights_of_the_scene_ask_for_transfer(
     kind_bake: Callable[..., KindBake], root: Root, tmp_path: Path
 ) -> None:
     made = kind_bake(Kind.TRANSFER)
-    place = dropped(root, exported(made.sidecar, ExportSpec(Target.GODOT), tmp_path))
+    place = placed(root, exported(made.sidecar, ExportSpec(Target.GODOT), tmp_path))
     shots = [Shot(camera, sun=sun) for camera, sun in zip(CAMERAS, LIGHTS, strict=True)]
-    _compare(made, root, place, [*shots, _by_its_own_sun(LIGHTS[0])], [*LIGHTS, LIGHTS[0]])
+    _compare(made, place, [*shots, _by_its_own_sun(LIGHTS[0])], [*LIGHTS, LIGHTS[0]])
 
 
 def _by_its_own_sun(sun: Sun) -> Shot:
@@ -118,10 +110,10 @@ def _by_its_own_sun(sun: Sun) -> Shot:
     return Shot(FRONT, {**own, "sun_angle": sun.size}, sun=Sun(0, 45, strength=0))
 
 
-def _compare(made: KindBake, root: Root, place: tuple[Path, str], shots: list[Shot], suns: list[Sun]) -> None:
+def _compare(made: KindBake, place: Placed, shots: list[Shot], suns: list[Sun]) -> None:
     strip = []
     for renderer in ALL_RENDERERS:
-        taken = pictures(root, place, renderer, shots)
+        taken = place.pictures(renderer, shots)
         strip.append(taken[0])
         for shot, sun, picture in zip(shots, suns, taken, strict=True):
             wanted = made.seen(shot.camera, sun)[..., :3]
@@ -137,11 +129,11 @@ def test_ambient_light_comes_along_the_bent_normal(
     """A white sky shows the openness; of one that is white above alone, half as much comes to what faces
     aside, by the cosine of its bent normal: the plain normal gives another picture."""
     made = kind_bake(Kind.AO)
-    place = dropped(root, exported(made.sidecar, ExportSpec(Target.GODOT), tmp_path))
+    place = placed(root, exported(made.sidecar, ExportSpec(Target.GODOT), tmp_path))
     shots = [Shot(FRONT, sky=(1, 1)), *(Shot(camera, sky=(1, 0)) for camera in CAMERAS)]
     mask, strip = made.eroded(FRONT), []
     for renderer in ALL_RENDERERS:
-        white, *half = pictures(root, place, renderer, shots)
+        white, *half = place.pictures(renderer, shots)
         strip.append(half[0])
         found = decibels(white, made.seen(FRONT)[..., :3], mask)
         print(f"ao, {renderer}, white: {found:.1f} dB")
@@ -172,8 +164,8 @@ def test_a_game_loads_a_file_while_it_runs(exhibit: Exhibit, root: Root, tmp_pat
     """From a folder that Godot's editor never saw, and with the autoload that enabling the plugin adds."""
     bake = exhibit.plain
     export = exported(bake.sidecar, ExportSpec(Target.GLTF), tmp_path)
-    folder, inside = dropped(root, export, at_run_time=True)
-    (picture,) = pictures(root, (folder, inside), "Forward+", [Shot(FRONT, QUADRILINEAR)])
+    place = placed(root, export, at_run_time=True)
+    (picture,) = place.pictures("Forward+", [Shot(FRONT, QUADRILINEAR)])
     found = decibels(picture, bake.picture(FRONT), bake.eroded(FRONT))
     print(f"loaded at run time: {found:.1f} dB")
     assert found > LEAST

@@ -12,7 +12,7 @@ import pytest
 from radtex_addon.export.exporting import export_steps
 from radtex_addon.textures.export_spec import ExportSpec, Target, TextureFormat
 from tests.real.exhibit import CAMERAS, Exhibit, decibels
-from tests.real.godot import RENDERERS, Shot, imported, pictures
+from tests.real.godot import RENDERERS, Shot, placed
 from tests.real.root import Root
 
 LEAST = {  # dB against the reference
@@ -28,10 +28,10 @@ def test_godot_shows_a_layered_bake_in_blocks(
 ) -> None:
     bake = exhibit.layered
     deque(export_steps(bake.sidecar, ExportSpec(Target.GODOT, form), tmp_path / "project"), maxlen=0)
-    place = imported(root, tmp_path / "project")
+    place = placed(root, tmp_path / "project")
     shots = [Shot(camera) for camera in CAMERAS]
     for renderer in RENDERERS:
-        for shot, picture in zip(shots, pictures(root, place, renderer, shots), strict=True):
+        for shot, picture in zip(shots, place.pictures(renderer, shots), strict=True):
             found = decibels(picture, bake.picture(shot.camera), bake.eroded(shot.camera))
             print(f"{form}, {renderer}, {shot.camera.name}: {found:.1f} dB")
             assert found >= LEAST[form]

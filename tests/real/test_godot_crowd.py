@@ -13,7 +13,6 @@ import os
 from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -31,8 +30,8 @@ from radtex_addon.textures.export_spec import ExportSpec, Target
 from tests.bench.gallery import looking
 from tests.bench.gallery.looking import rendered
 from tests.real.exhibit import CAMERAS, Bake, Camera, Exhibit, Form, decibels, stage
-from tests.real.godot import RENDERERS, Shot, dropped, pictures
-from tests.real.kinds import KindBake, Sun, baked
+from tests.real.godot import RENDERERS, Placed, Shot, placed
+from tests.real.kinds import KindBake, Sun
 from tests.real.root import Root
 
 FRONT = CAMERAS[0]
@@ -66,22 +65,15 @@ COPIES = [
 ]
 
 
-@pytest.fixture(scope="module")
-def kind_bake(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Kind], KindBake]:
-    """Bakes by kind, made when they are first asked for."""
-    folder = tmp_path_factory.mktemp("kinds")
-    return cache(lambda kind: baked(kind, folder / kind))
-
-
-def project(sidecar: Path, root: Root, folder: Path) -> tuple[Path, str]:
+def project(sidecar: Path, root: Root, folder: Path) -> Placed:
     deque(export_steps(sidecar, ExportSpec(Target.GODOT), folder / "export"), maxlen=0)
-    return dropped(root, folder / "export")
+    return placed(root, folder / "export")
 
 
-def check_the_same(place: tuple[Path, str], root: Root, shot: Shot, name: str) -> None:
+def check_the_same(place: Placed, shot: Shot, name: str) -> None:
     """By both kinds of renderers, and what is seen is neither black nor all the same."""
     for renderer in RENDERERS:
-        crowd, nodes = pictures(root, place, renderer, [replace(shot, as_nodes=way) for way in (False, True)])
+        crowd, nodes = place.pictures(renderer, [replace(shot, as_nodes=way) for way in (False, True)])
         seen = nodes.max(axis=2) > 0.001
         found = decibels(crowd, nodes, seen)
         print(f"{name}, {renderer}: {found:.1f} dB over {seen.mean():.0%} of the picture")
@@ -93,7 +85,7 @@ def check_the_same(place: tuple[Path, str], root: Root, shot: Shot, name: str) -
 @pytest.mark.parametrize("form", Form)
 def test_instances_look_as_nodes_do(form: Form, exhibit: Exhibit, root: Root, tmp_path: Path) -> None:
     bake: Bake = getattr(exhibit, form)
-    check_the_same(project(bake.sidecar, root, tmp_path), root, Shot(FRONT, copies=COPIES), form)
+    check_the_same(project(bake.sidecar, root, tmp_path), Shot(FRONT, copies=COPIES), form)
 
 
 def test_turned_instances_show_what_is_path_traced(exhibit: Exhibit, root: Root, tmp_path: Path) -> None:
@@ -102,7 +94,7 @@ def test_turned_instances_show_what_is_path_traced(exhibit: Exhibit, root: Root,
     place = project(bake.sidecar, root, tmp_path)
     copies = [turned(angle, (0, 1, 0), (aside, 0.15, 0), (0.42,) * 3) for angle, aside in STANDING]
     cameras = [seen_by(copy) for copy in copies]
-    (crowd,) = pictures(root, place, "Compatibility", [Shot(FRONT, copies=copies)])
+    (crowd,) = place.pictures("Compatibility", [Shot(FRONT, copies=copies)])
     stage(Form.LAYERED)
     traced = [path_traced(camera) for camera in cameras]
     expected = [bake.picture(camera) for camera in cameras]
@@ -140,7 +132,7 @@ def test_instances_of_other_kinds_look_as_nodes_do(
     lit: dict[str, Any] = {"sky": (1, 0)} if kind is Kind.AO else {"sun": SUN}
     place = project(kind_bake(kind).sidecar, root, tmp_path)
     copies = COPIES[:1] + COPIES[2:3] if kind is Kind.PROXY else COPIES
-    check_the_same(place, root, Shot(FRONT, copies=copies, **lit), kind)
+    check_the_same(place, Shot(FRONT, copies=copies, **lit), kind)
 
 
 def _keep(name: str, strip: list[Picture]) -> None:

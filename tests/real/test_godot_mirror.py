@@ -15,7 +15,7 @@ import pytest
 from radtex_addon.export.exporting import export_steps
 from radtex_addon.textures.export_spec import ExportSpec, Target
 from tests.real.exhibit import Form, decibels
-from tests.real.godot import ALL_RENDERERS, Shot, imported, pictures
+from tests.real.godot import ALL_RENDERERS, Shot, placed
 from tests.real.mirror_scene import CAMERA, LEAST, PLACES, RADIUS, SKY, Stage, keep_row
 from tests.real.root import Root
 
@@ -27,11 +27,11 @@ def test_the_ball_shows_what_cycles_shows(
     stage = stages[form]
     spec = ExportSpec(Target.GODOT, mirror=True, sky=SKY)
     deque(export_steps(stage.bake.sidecar, spec, tmp_path / "project"), maxlen=0)
-    project = imported(root, tmp_path / "project")
+    project = placed(root, tmp_path / "project")
     shots = [Shot(CAMERA, mirror=(*place, RADIUS)) for place in PLACES]
     shots.append(Shot(CAMERA, turn=70, mirror=(*PLACES[0], RADIUS)))
     for renderer in ALL_RENDERERS:
-        taken = pictures(root, project, renderer, shots)
+        taken = project.pictures(renderer, shots)
         keep_row(f"mirror-godot-{form}-{renderer}", [*stage.pictures], taken[: len(PLACES)])
         for number, picture in enumerate(taken):
             which = number % len(PLACES)

@@ -28,14 +28,24 @@ from radtex_addon.formats.containers.texture import decode_texture
 from radtex_addon.report.metrics import Picture, display
 from radtex_addon.textures.export_spec import Arrangement, ExportSpec, Target, TextureFormat
 from tests.real.exhibit import CAMERAS, Bake, Exhibit, Form, decibels
-from tests.real.godot import ALL_RENDERERS, RENDERERS, Shot, imported, light_of, pictures, run_godot
+from tests.real.godot import (
+    ALL_RENDERERS,
+    RENDERERS,
+    Placed,
+    Shot,
+    imported,
+    light_of,
+    pictures,
+    placed,
+    run_godot,
+)
 from tests.real.root import Root, screen
 
 LEAST = 38.0  # dB
 MODES = {kind: mode for mode, kind in enumerate(Filter)}
 FRONT = CAMERAS[0]
 DEFAULT = ExportSpec(Target.GODOT)
-Opened = Callable[[Form, ExportSpec], tuple[Path, str]]
+Opened = Callable[[Form, ExportSpec], Placed]
 FIGURES = os.environ.get("RADTEX_FIGURES")
 INSIDE = Path(__file__).parent / "inside" / "godot"
 DRAG = """
@@ -71,8 +81,8 @@ def opened(exhibit: Exhibit, root: Root, tmp_path_factory: pytest.TempPathFactor
     """Exports of the exhibit after Godot's import, which takes longer than a picture: each is made once."""
 
     @cache
-    def imported_once(form: Form, spec: ExportSpec) -> tuple[Path, str]:
-        return imported(root, project(getattr(exhibit, form), tmp_path_factory.mktemp("godot"), spec))
+    def imported_once(form: Form, spec: ExportSpec) -> Placed:
+        return placed(root, project(getattr(exhibit, form), tmp_path_factory.mktemp("godot"), spec))
 
     return imported_once
 
@@ -87,7 +97,7 @@ def shots_of(form: Form) -> list[Shot]:
 def test_godot_shows_the_reference(form: Form, exhibit: Exhibit, root: Root, opened: Opened) -> None:
     bake: Bake = getattr(exhibit, form)
     shots = shots_of(form)
-    shown = {renderer: pictures(root, opened(form, DEFAULT), renderer, shots) for renderer in ALL_RENDERERS}
+    shown = {renderer: opened(form, DEFAULT).pictures(renderer, shots) for renderer in ALL_RENDERERS}
     for renderer, taken in shown.items():
         for shot, picture in zip(shots, taken, strict=True):
             reference, inside = bake.picture(shot.camera), bake.inside(shot.camera)
@@ -103,7 +113,7 @@ def test_godot_shows_the_reference(form: Form, exhibit: Exhibit, root: Root, ope
 def test_each_filter_and_the_exposure_do_what_they_say(exhibit: Exhibit, root: Root, opened: Opened) -> None:
     bake = exhibit.plain
     shots = [*(Shot(FRONT, {"filtering": mode}) for mode in MODES.values()), Shot(FRONT, {"exposure": 0.25})]
-    *taken, darker = pictures(root, opened(Form.PLAIN, DEFAULT), "Compatibility", shots)
+    *taken, darker = opened(Form.PLAIN, DEFAULT).pictures("Compatibility", shots)
     for kind, picture in zip(MODES, taken, strict=True):
         found = {other: decibels(picture, bake.picture(FRONT, other), bake.eroded(FRONT)) for other in Filter}
         print(f"{kind}: {found[kind]:.1f} dB")
@@ -127,10 +137,10 @@ def test_other_arrangements_and_formats_show_it_too(
     spec: ExportSpec, renderer: str, exhibit: Exhibit, root: Root, opened: Opened
 ) -> None:
     bake, place = exhibit.plain, opened(Form.PLAIN, spec)
-    (picture,) = pictures(root, place, renderer, [Shot(FRONT)])
+    (picture,) = place.pictures(renderer, [Shot(FRONT)])
     reference = bake.picture(FRONT)
     if spec.format is TextureFormat.KTX2_BC6H:
-        reference = picture_of_file(bake, next(place[0].glob("*.ktx2")))
+        reference = picture_of_file(bake, next(place.folder.glob("*.ktx2")))
     found = decibels(picture, reference, bake.eroded(FRONT))
     print(f"{renderer} {spec.format} {spec.arrangement}: {found:.1f} dB")
     assert found > LEAST
@@ -154,12 +164,12 @@ def test_far_away_mipmaps_show_what_more_samples_show(exhibit: Exhibit, root: Ro
     mean = bake.picture(large).reshape(64, 8, 64, 8, 3).mean(axis=(1, 3))
     whole = bake.inside(large).reshape(64, 8, 64, 8).all(axis=(1, 3))
     shots = [Shot(small, {"filtering": mode}) for mode in (3, 2)]
-    by_levels, plain = pictures(root, opened(Form.PLAIN, DEFAULT), "Compatibility", shots)
+    by_levels, plain = opened(Form.PLAIN, DEFAULT).pictures("Compatibility", shots)
     assert decibels(by_levels, mean, whole) > decibels(plain, mean, whole) + 0.5
 
 
-def test_dragging_turns_it_and_the_wheel_moves_it(root: Root, opened: Opened) -> None:
-    folder, inside = opened(Form.PLAIN, DEFAULT)
+def test_dragging_turns_it_and_the_wheel_moves_it(exhibit: Exhibit, root: Root, tmp_path: Path) -> None:
+    folder, inside = imported(root, project(exhibit.plain, tmp_path))
     ended = root.run(screen(["sh", "-c", DRAG], 640, 480), cwd=inside, timeout=240)
     said = (folder / "said.log").read_text(encoding="utf-8")
     assert ended.returncode == 0, ended.stderr

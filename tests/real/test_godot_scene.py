@@ -12,31 +12,24 @@ from scipy.ndimage import binary_dilation
 from radtex_addon.bake.progress import finished
 from radtex_addon.export.exporting_scene import export_scene_steps
 from radtex_addon.textures.export_spec import ExportSpec, Target
-from tests.blender.furnished_room import bake_room
 from tests.real.exhibit import CAMERAS, Bake, Exhibit, Form, decibels
-from tests.real.godot import Shot, imported, pictures
+from tests.real.godot import Shot, placed
 from tests.real.root import Root
 
 LEAST = 38.0  # dB
 
 
-@pytest.fixture(scope="module")
-def trees(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
-    """Bakes of three trees that stand beside what the cameras see."""
-    return bake_room(tmp_path_factory.mktemp("room"))[-3:]
-
-
 @pytest.mark.parametrize("form", Form)
 def test_an_object_in_a_scene_looks_as_the_reference(
-    form: Form, exhibit: Exhibit, trees: list[Path], root: Root, tmp_path: Path
+    form: Form, exhibit: Exhibit, room: list[Path], root: Root, tmp_path: Path
 ) -> None:
     bake: Bake = getattr(exhibit, form)
-    sidecars = [trees[0], bake.sidecar, *trees[1:]]
+    sidecars = [room[-3], bake.sidecar, *room[-2:]]
     made = finished(export_scene_steps(sidecars, ExportSpec(Target.GODOT), "Room", tmp_path / "project"))
-    project = imported(root, made.folder)
+    project = placed(root, made.folder)
     parameters = {"filtering": 2.0} if form is Form.PLAIN else {}
     shots = [Shot(camera, parameters) for camera in CAMERAS]
-    for shot, picture in zip(shots, pictures(root, project, "Compatibility", shots), strict=True):
+    for shot, picture in zip(shots, project.pictures("Compatibility", shots), strict=True):
         found = decibels(picture, bake.picture(shot.camera), bake.eroded(shot.camera))
         print(f"{form}, {shot.camera.name}: {found:.1f} dB")
         assert found > LEAST

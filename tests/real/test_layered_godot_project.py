@@ -28,7 +28,7 @@ from radtex_addon.textures.entry import Arranged, Container, TextureEntry
 from radtex_addon.textures.export_spec import ExportSpec, Target
 from tests.layered_lookups import Case, case_of
 from tests.real.exhibit import CAMERAS, Bake, Camera, Exhibit, decibels
-from tests.real.godot import RENDERERS, Shot, imported, pictures
+from tests.real.godot import RENDERERS, Shot, placed
 from tests.real.root import Root
 
 LEAST = 48.0  # dB
@@ -87,10 +87,10 @@ def reference(bake: Bake, case: Case, camera: Camera) -> Picture:
 @pytest.mark.parametrize("name", ["made up", "opaque, in ranges"])
 def test_godot_shows_a_layered_bake(name: str, exhibit: Exhibit, root: Root, tmp_path: Path) -> None:
     bake, case = exhibit.plain, case_of(name)
-    place = imported(root, project(bake, case, tmp_path))
+    place = placed(root, project(bake, case, tmp_path))
     shots = [*(Shot(camera) for camera in CAMERAS), Shot(FRONT, turn=70), Shot(FRONT, {"exposure": 0.25})]
     for renderer in RENDERERS:
-        for shot, picture in zip(shots, pictures(root, place, renderer, shots), strict=True):
+        for shot, picture in zip(shots, place.pictures(renderer, shots), strict=True):
             wanted = reference(bake, case, shot.camera) * shot.parameters.get("exposure", 1)
             found = decibels(picture, wanted, bake.eroded(shot.camera))
             print(f"{renderer} {name}, {shot.camera.name}, turned by {shot.turn}: {found:.1f} dB")

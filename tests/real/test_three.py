@@ -8,9 +8,10 @@ import json
 import re
 import shutil
 import tomllib
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -115,19 +116,33 @@ def opened(
         yield App(shown).ready()
 
 
-@pytest.mark.parametrize("form", ["plain", "layered"])
-@pytest.mark.parametrize("device", ["desktop", "phone"])
-def test_the_guides_page_shows_the_bake(
-    web: Site, exhibit: Exhibit, bundled: Path, form: str, device: str
-) -> None:
-    phone = device == "phone"
-    size = {"width": 360, "height": 740, **PHONE} if phone else {}
-    with opened(web, exhibit, form, bundled, NO_BLOCKS if phone else "", **size) as app:
-        for camera in CAMERAS:
-            bake = getattr(exhibit, form)
-            found = decibels(app.light("one", camera), bake.picture(camera), bake.eroded(camera))
-            print(f"{form}, {device}, {camera.name}: {found:.1f} dB")
-            assert found >= LEAST
+@pytest.fixture(scope="module")
+def app(web: Site, exhibit: Exhibit, bundled: Path) -> Iterator[Callable[[str], App]]:
+    """The page with a bake in each form, which stays open: who changes its scene for good opens another."""
+    with ExitStack() as pages:
+        yield cache(lambda form: pages.enter_context(opened(web, exhibit, form, bundled)))
+
+
+FORMS = pytest.mark.parametrize("form", ["plain", "layered"])
+
+
+def compare(app: App, exhibit: Exhibit, form: str, device: str) -> None:
+    bake = getattr(exhibit, form)
+    for camera in CAMERAS:
+        found = decibels(app.light("one", camera), bake.picture(camera), bake.eroded(camera))
+        print(f"{form}, {device}, {camera.name}: {found:.1f} dB")
+        assert found >= LEAST
+
+
+@FORMS
+def test_the_guides_page_shows_the_bake(app: Callable[[str], App], exhibit: Exhibit, form: str) -> None:
+    compare(app(form), exhibit, form, "desktop")
+
+
+@FORMS
+def test_a_phone_without_blocks_shows_it(web: Site, exhibit: Exhibit, bundled: Path, form: str) -> None:
+    with opened(web, exhibit, form, bundled, NO_BLOCKS, width=360, height=740, **PHONE) as phone:
+        compare(phone, exhibit, form, "phone")
 
 
 def add_guide(folder: Path, packed: Path) -> None:
@@ -165,90 +180,88 @@ def test_it_runs_without_a_bundler(web: Site, exhibit: Exhibit, packed: Path) ->
     assert decibels(seen, bake.picture(FRONT), bake.eroded(FRONT)) >= LEAST
 
 
-@pytest.mark.parametrize("form", ["plain", "layered"])
+@FORMS
 def test_three_js_moves_it_instances_it_and_gives_each_eye_its_own_light(
-    web: Site, exhibit: Exhibit, bundled: Path, form: str
+    app: Callable[[str], App], exhibit: Exhibit, form: str
 ) -> None:
-    with opened(web, exhibit, form, bundled) as app:
-        mask = getattr(exhibit, form).eroded(FRONT)
-        one = app.light("one", FRONT)
-        flat_change = np.array(CHANGE).ravel().tolist()
-        for check in ("moved", "instance"):
-            found = decibels(app.light(check, FRONT, flat_change), one, mask)
-            print(f"{form}, {check}: {found:.1f} dB")
-            assert found >= SAME
-        other = CAMERAS[1]
-        both = app.light("eyes", FRONT, Shown.view(other), wide=2)
-        left, right = both[:, : FRONT.pixels], both[:, FRONT.pixels :]
-        second = app.light("one", other)
-        each = decibels(left, one, mask), decibels(right, second, getattr(exhibit, form).eroded(other))
-        print(f"{form}, eyes: {each[0]:.1f} and {each[1]:.1f} dB")
-        assert min(each) >= SAME
+    page, mask = app(form), getattr(exhibit, form).eroded(FRONT)
+    one = page.light("one", FRONT)
+    flat_change = np.array(CHANGE).ravel().tolist()
+    for check in ("moved", "instance"):
+        found = decibels(page.light(check, FRONT, flat_change), one, mask)
+        print(f"{form}, {check}: {found:.1f} dB")
+        assert found >= SAME
+    other = CAMERAS[1]
+    both = page.light("eyes", FRONT, Shown.view(other), wide=2)
+    left, right = both[:, : FRONT.pixels], both[:, FRONT.pixels :]
+    second = page.light("one", other)
+    each = decibels(left, one, mask), decibels(right, second, getattr(exhibit, form).eroded(other))
+    print(f"{form}, eyes: {each[0]:.1f} and {each[1]:.1f} dB")
+    assert min(each) >= SAME
 
 
-def test_an_orthographic_camera_sees_what_a_far_one_does(web: Site, exhibit: Exhibit, bundled: Path) -> None:
+def test_an_orthographic_camera_sees_what_a_far_one_does(app: Callable[[str], App], exhibit: Exhibit) -> None:
     away, side = 95.0, 1.5
     place = (0.6 * away, -0.8 * away, 0.0)
     far = Camera("far", place, target=(0.0, 0.0, 0.0), fovy=2 * float(np.degrees(np.arctan(side / away))))
-    with opened(web, exhibit, "plain", bundled) as app:
-        found = decibels(
-            app.light("orthographic", far, side), app.light("one", far), exhibit.plain.eroded(far)
-        )
+    plain = app("plain")
+    found = decibels(
+        plain.light("orthographic", far, side), plain.light("one", far), exhibit.plain.eroded(far)
+    )
     print(f"orthographic: {found:.1f} dB")
     assert found >= 30
 
 
-def test_tone_mapping_and_fog_are_three_js_s(web: Site, exhibit: Exhibit, bundled: Path) -> None:
-    with opened(web, exhibit, "plain", bundled) as app:
-        mask = exhibit.plain.eroded(FRONT)
-        light = app.light("one", FRONT)
-        seen = app.light("one", FRONT, True)[mask]
-        wanted = encoded(aces(light[mask]))
-        assert np.quantile(np.abs(seen - wanted).max(axis=-1), 0.9) < 0.02
-        nothing = app.light("fog", FRONT, 0.001, 0.002)
-        assert nothing[mask].max() < 1e-4
-        half = app.light("fog", FRONT, 0.0, 20.0)[mask] / np.maximum(light[mask], 1e-3)
-        assert 0.2 < np.median(half) < 0.999
+def test_tone_mapping_and_fog_are_three_js_s(app: Callable[[str], App], exhibit: Exhibit) -> None:
+    plain, mask = app("plain"), exhibit.plain.eroded(FRONT)
+    light = plain.light("one", FRONT)
+    nothing = plain.light("fog", FRONT, 0.001, 0.002)
+    assert nothing[mask].max() < 1e-4
+    half = plain.light("fog", FRONT, 0.0, 20.0)[mask] / np.maximum(light[mask], 1e-3)
+    assert 0.2 < np.median(half) < 0.999
+    seen = plain.light("one", FRONT, True)[mask]
+    wanted = encoded(aces(light[mask]))
+    assert np.quantile(np.abs(seen - wanted).max(axis=-1), 0.9) < 0.02
 
 
-def test_clipping_planes_are_three_js_s(web: Site, exhibit: Exhibit, bundled: Path) -> None:
+def test_clipping_planes_are_three_js_s(app: Callable[[str], App]) -> None:
     """A plane above all that there is leaves nothing, one below it everything, one between the upper part."""
-    with opened(web, exhibit, "plain", bundled) as app:
-        whole = app.light("one", FRONT)
-        for local in (False, True):
-            assert app.light("clipped", FRONT, -50.0, local).max() == 0
-            assert np.array_equal(app.light("clipped", FRONT, 50.0, local), whole)
-            seen = app.light("clipped", FRONT, 0.0, local).max(axis=(1, 2)) > 0
-            assert seen[: len(seen) // 3].any()
-            assert not seen[-len(seen) // 4 :].any()
+    plain = app("plain")
+    whole = plain.light("one", FRONT)
+    for local in (False, True):
+        assert plain.light("clipped", FRONT, -50.0, local).max() == 0
+        assert np.array_equal(plain.light("clipped", FRONT, 50.0, local), whole)
+        seen = plain.light("clipped", FRONT, 0.0, local).max(axis=(1, 2)) > 0
+        assert seen[: len(seen) // 3].any()
+        assert not seen[-len(seen) // 4 :].any()
+
+
+def test_three_js_s_own_loader_takes_the_textures(app: Callable[[str], App], web: Site) -> None:
+    """All but BC6H, which its KTX2Loader does not know."""
+    page = app("layered").shown.page
+    (manifest,) = (web.folder / "layered").glob("*.export.json")
+    entries = json.loads(manifest.read_text())["textures"].values()
+    files = {entry["file"]: entry["format"] for entry in entries}
+    said = page.evaluate("files => checks.stock(files)", list(files))
+    print({file: (files[file], said[file]) for file in files})
+    assert {files[file] for file, error in said.items() if error} <= {"BC6H"}
 
 
 def test_textures_stay_while_an_object_shows_them(web: Site, exhibit: Exhibit, bundled: Path) -> None:
     """Also by a copy of the material."""
-    with opened(web, exhibit, "plain", bundled) as app:
-        one = app.light("one", FRONT)
-        assert np.array_equal(app.light("shared", FRONT), one)
+    with opened(web, exhibit, "plain", bundled) as page:
+        one = page.light("one", FRONT)
+        assert np.array_equal(page.light("shared", FRONT), one)
 
 
-def test_three_js_s_own_loader_takes_the_textures(web: Site, exhibit: Exhibit, bundled: Path) -> None:
-    """All but BC6H, which its KTX2Loader does not know."""
-    with opened(web, exhibit, "layered", bundled) as app:
-        (manifest,) = (web.folder / "layered").glob("*.export.json")
-        entries = json.loads(manifest.read_text())["textures"].values()
-        files = {entry["file"]: entry["format"] for entry in entries}
-        said = app.shown.page.evaluate("files => checks.stock(files)", list(files))
-        print({file: (files[file], said[file]) for file in files})
-        assert {files[file] for file, error in said.items() if error} <= {"BC6H"}
-
-
-@pytest.mark.parametrize("form", ["plain", "layered"])
+@FORMS
 def test_lamps_add_their_light(web: Site, exhibit: Exhibit, bundled: Path, form: str) -> None:
     """The same bake as a lamp: with its own light at 1/2 and the lamp's at 2 there is 2.5 times as much."""
-    with opened(web, exhibit, form, bundled) as app:
+    with opened(web, exhibit, form, bundled) as page:
         mask = getattr(exhibit, form).eroded(FRONT)
-        one = app.light("one", FRONT)
-        app.shown.page.evaluate("checks.addLamp()")
-        found = decibels(app.light("one", FRONT) / 2.5, one, mask)
+        one = page.light("one", FRONT)
+        page.shown.page.evaluate("checks.addLamp()")
+        found = decibels(page.light("one", FRONT) / 2.5, one, mask)
         print(f"{form}, lamps: {found:.1f} dB")
         assert found >= SAME
 

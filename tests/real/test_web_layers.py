@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from collections.abc import Callable
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from radtex_addon.formats.bucket_files import read_layer
 from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.report.metrics import Picture
 from tests.real.exhibit import CAMERAS, decibels
-from tests.real.kinds import LAYERS, KindBake, baked
+from tests.real.kinds import LAYERS, KindBake
 from tests.real.web import Site
 
 LEAST = 38.0  # dB
@@ -33,8 +33,10 @@ def expected(made: KindBake, layer: Layer) -> Picture:
     return light.reshape(FRONT.pixels, FRONT.pixels, 3)
 
 
-def test_layers_are_shown_one_by_one_and_base_and_rest_are_the_whole(web: Site, tmp_path: Path) -> None:
-    made = baked(Kind.PROXY, tmp_path / "proxy")
+def test_layers_are_shown_one_by_one_and_base_and_rest_are_the_whole(
+    web: Site, kind_bake: Callable[..., KindBake]
+) -> None:
+    made = kind_bake(Kind.PROXY)
     web.add("layers", made, layers=LAYERS)
     mask = made.eroded(FRONT)
     whole = made.seen(FRONT)

@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from playwright.sync_api import BrowserType, Route
+from playwright.sync_api import Route
 
-from tests.real.browser import Shown, chromium
+from tests.real.browser import Shown, tab_of
 from tests.real.exhibit import Exhibit
 from tests.real.root import Root
 from tests.real.web import Site, save
@@ -26,6 +26,11 @@ SMALL_TEXTURES = """
         return name === this.MAX_TEXTURE_SIZE ? 256 : asked.call(this, name);
     };
 """
+# As Chromium answers with --disable-3d-apis.
+NO_WEBGL = "HTMLCanvasElement.prototype.getContext = () => null;"
+
+
+Spoil = Callable[[Path], None]
 
 
 def says(shown: Shown, *words: str) -> None:
@@ -54,48 +59,60 @@ def changed(folder: Path, change: Callable[[dict[str, Any]], None]) -> None:
     path.write_text(json.dumps(facts))
 
 
-@pytest.mark.parametrize("ending", [".export.json", ".radiance.ktx2", ".glb"])
-def test_a_missing_file_is_named(web: Site, copied: Path, ending: str) -> None:
-    (path,) = copied.glob(f"*{ending}")
-    path.unlink()
-    with web.opened("spoilt/") as shown:
-        says(shown, f"{path.name} is missing", "one folder")
+def lost(ending: str) -> Spoil:
+    return lambda folder: next(folder.glob(f"*{ending}")).unlink()
 
 
-@pytest.mark.parametrize("ending", [".radiance.ktx2", ".glb", ".export.json"])
-def test_a_file_cut_short_is_named(web: Site, copied: Path, ending: str) -> None:
-    (path,) = copied.glob(f"*{ending}")
-    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
-    with web.opened("spoilt/") as shown:
-        says(shown, path.name, "export", "damaged" if ending != ".export.json" else "no manifest")
+def cut(ending: str) -> Spoil:
+    def spoil(folder: Path) -> None:
+        (path,) = folder.glob(f"*{ending}")
+        path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+
+    return spoil
 
 
-def test_noise_in_a_texture_is_found(web: Site, copied: Path) -> None:
-    (path,) = copied.glob("*.ktx2")
+def noise(folder: Path) -> None:
+    (path,) = folder.glob("*.ktx2")
     data = bytearray(path.read_bytes())
     middle = len(data) // 2
     data[middle : middle + 999] = bytes(999)
     path.write_bytes(data)
+
+
+def another(**facts: Any) -> Spoil:
+    return lambda folder: changed(folder, lambda manifest: manifest.update(facts))
+
+
+SPOILT: dict[str, tuple[Spoil, tuple[str, ...]]] = {
+    "no manifest": (lost(".export.json"), (".export.json is missing", "one folder")),
+    "no texture": (lost(".radiance.ktx2"), (".radiance.ktx2 is missing", "one folder")),
+    "no mesh": (lost(".glb"), (".glb is missing", "one folder")),
+    "half a texture": (cut(".radiance.ktx2"), (".radiance.ktx2", "export", "damaged")),
+    "half a mesh": (cut(".glb"), (".glb", "export", "damaged")),
+    "half a manifest": (cut(".export.json"), (".export.json", "export", "no manifest")),
+    "noise in a texture": (noise, (".ktx2 is damaged", "does not unpack")),
+    "a texture that is not the manifest's": (
+        lambda folder: changed(folder, lambda facts: facts["textures"]["radiance"].update(size=[64, 64])),
+        (".ktx2 is damaged", "pixels"),
+    ),
+    "a newer manifest": (
+        another(version=2, tool="RadTex 9.0"),
+        ("is of version 2, this page reads version 1", "RadTex 9.0"),
+    ),
+    "a kind that the page does not show": (
+        lambda folder: changed(folder, lambda facts: facts["bake"].update(kind="smell")),
+        ("of kind “smell”, which this page does not show", "take the page"),
+    ),
+}
+
+
+@pytest.mark.parametrize("what", SPOILT)
+def test_what_is_wrong_with_the_files_is_said(web: Site, copied: Path, what: str) -> None:
+    spoil, words = SPOILT[what]
+    name = next(copied.glob("*.export.json")).name.removesuffix(".export.json")
+    spoil(copied)
     with web.opened("spoilt/") as shown:
-        says(shown, f"{path.name} is damaged", "does not unpack")
-
-
-def test_a_texture_that_is_not_the_manifests_is_found(web: Site, copied: Path) -> None:
-    changed(copied, lambda facts: facts["textures"]["radiance"].update(size=[64, 64]))
-    with web.opened("spoilt/") as shown:
-        says(shown, ".ktx2 is damaged", "pixels")
-
-
-def test_a_newer_manifest_is_refused(web: Site, copied: Path) -> None:
-    changed(copied, lambda facts: facts.update(version=2, tool="RadTex 9.0"))
-    with web.opened("spoilt/") as shown:
-        says(shown, "is of version 2, this page reads version 1", "RadTex 9.0")
-
-
-def test_a_kind_that_the_page_does_not_show_is_named(web: Site, copied: Path) -> None:
-    changed(copied, lambda facts: facts["bake"].update(kind="smell"))
-    with web.opened("spoilt/") as shown:
-        says(shown, "of kind “smell”, which this page does not show", "take the page")
+        says(shown, *words, name)
 
 
 def test_a_page_without_a_bake_says_how_to_name_one(web: Site, copied: Path) -> None:
@@ -136,7 +153,7 @@ def test_the_flat_lightmap_is_seen_before_the_textures_come(web: Site, copied: P
         shown.page.goto(f"{web.address}/spoilt/")
         shown.page.locator("body.refining").wait_for()
         first = shown.screen()
-        shown.page.wait_for_timeout(500)
+        shown.page.unroute("**/*.ktx2", hold)
         for route in held:
             route.continue_()
         shown.wait()
@@ -178,11 +195,9 @@ def test_two_lamps_of_one_name_are_refused(web: Site, copied: Path) -> None:
         says(shown, "Two lamps", "the name Vase.key", "?lamp=Key=Vase.key.export.json")
 
 
-def test_a_browser_without_webgl_is_told(root: Root, driver: BrowserType, web: Site, copied: Path) -> None:
-    with chromium(root, driver, "--disable-3d-apis") as browser:
-        page = browser.new_context().new_page()
-        page.goto(f"{web.address}/spoilt/")
-        says(Shown(page), "no WebGL 2", "hardware acceleration")
+def test_a_browser_without_webgl_is_told(web: Site, copied: Path) -> None:
+    with web.opened("spoilt/", before=NO_WEBGL) as shown:
+        says(shown, "no WebGL 2", "hardware acceleration")
 
 
 @pytest.mark.parametrize("alone", [False, True], ids=["in its folder", "as from a zip that was not unpacked"])
@@ -190,7 +205,7 @@ def test_a_double_click_says_what_to_do(root: Root, web: Site, copied: Path, alo
     folder, inside = root.shared("double-click")
     for path in copied.glob("index.html" if alone else "*.*"):
         shutil.copy(path, folder)
-    page = web.browser.new_context().new_page()
+    page = tab_of(web.browser)
     page.goto(f"file://{inside}/index.html")
     says(Shown(page), "Show in Browser in Blender", "python -m http.server", "in this folder")
     assert page.locator("body > *:visible").count() == 1, "the message and nothing else"

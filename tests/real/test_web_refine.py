@@ -7,21 +7,18 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
-from collections.abc import Iterator
 from itertools import pairwise
 from pathlib import Path
 
 import bpy
 import numpy as np
-import pytest
-from playwright.sync_api import Browser, BrowserType
+from playwright.sync_api import Browser
 
 from radtex_addon.report.metrics import Picture
 from tests.bench.gallery.looking import added, empty_scene, lamp, principled
-from tests.real.browser import SOFTWARE_GL, Shown, chromium, served
+from tests.real.browser import Shown, served, tab_of
 from tests.real.exhibit import CAMERAS, ROOT, decibels
-from tests.real.root import Root
-from tests.real.web import build_page
+from tests.real.web import Site
 
 PASSES = 4
 SAMPLES = 1
@@ -30,13 +27,6 @@ QUICK = ("--object", NAME, "--texels", "32", "--bucket", "4", "--save-preview", 
 REFERENCE = 32  # samples
 GAIN = 0.5  # decibels that each pass must be nearer to the reference, which has noise of its own
 PATIENCE = 240_000  # milliseconds
-
-
-@pytest.fixture(scope="module")
-def browser(root: Root, driver: BrowserType) -> Iterator[Browser]:
-    build_page()
-    with chromium(root, driver, *SOFTWARE_GL) as found:
-        yield found
 
 
 def ball_under_a_lamp() -> None:
@@ -52,7 +42,7 @@ def light(shown: Shown) -> Picture:
     return shown.pixels()[..., :3].astype(np.float64)
 
 
-def test_each_pass_is_nearer_to_the_reference_on_the_open_page(browser: Browser, tmp_path: Path) -> None:
+def test_each_pass_is_nearer_to_the_reference_on_the_open_page(web: Site, tmp_path: Path) -> None:
     file = str(tmp_path / "scene.blend")
     ball_under_a_lamp()
     bpy.ops.wm.save_as_mainfile(filepath=file)
@@ -67,7 +57,7 @@ def test_each_pass_is_nearer_to_the_reference_on_the_open_page(browser: Browser,
             assert refining.stdout is not None
             said = iter(refining.stdout)
             address = next(found.group() for line in said if (found := re.search(r"http://[^\"\s]+", line)))
-            page = browser.new_context(viewport={"width": 500, "height": 400}).new_page()
+            page = tab_of(web.browser, viewport={"width": 500, "height": 400})
             page.goto(f"{address}=0.3")
             page.evaluate("window.first = true; radtex.ready")
             shown, pictures, seen = Shown(page), [], 0
@@ -84,7 +74,7 @@ def test_each_pass_is_nearer_to_the_reference_on_the_open_page(browser: Browser,
                 refining.kill()
                 raise
     assert refining.returncode == 0
-    truth = reference(browser, much)
+    truth = reference(web.browser, much)
     covered = truth.max(axis=2) > 0
     nearness = [(samples, decibels(picture, truth, covered)) for samples, picture in pictures]
     print(", ".join(f"{samples} samples: {each:.1f} dB" for samples, each in nearness))
@@ -97,7 +87,7 @@ def test_each_pass_is_nearer_to_the_reference_on_the_open_page(browser: Browser,
 def reference(browser: Browser, folder: Path) -> Picture:
     """The page's picture of the bake with many samples."""
     with served(folder) as address:
-        page = browser.new_context(viewport={"width": 500, "height": 400}).new_page()
+        page = tab_of(browser, viewport={"width": 500, "height": 400})
         (export,) = folder.glob("*.web")
         page.goto(f"{address}/{export.name}/")
         page.evaluate("radtex.ready")

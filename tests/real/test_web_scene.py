@@ -14,17 +14,10 @@ from scipy.ndimage import binary_dilation
 from radtex_addon.bake.progress import finished
 from radtex_addon.export.exporting_scene import export_scene_steps
 from radtex_addon.textures.export_spec import ExportSpec, Target
-from tests.blender.furnished_room import bake_room
 from tests.real.exhibit import CAMERAS, Bake, Exhibit, Form, decibels
 from tests.real.web import Site, save
 
 LEAST = 38.0  # dB
-
-
-@pytest.fixture(scope="module")
-def room(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
-    """Bakes of a room; its last three are trees, which stand beside what the cameras see."""
-    return bake_room(tmp_path_factory.mktemp("room"))
 
 
 @pytest.mark.parametrize("form", Form)

@@ -19,7 +19,7 @@ import PIL.Image
 import pytest
 from playwright.sync_api import BrowserType
 
-from tests.real.browser import SOFTWARE_GL, Shown, chromium, served
+from tests.real.browser import SOFTWARE_GL, Shown, chromium, served, tab_of
 from tests.real.panel import install, latest, wait_for, wait_for_end
 from tests.real.root import Root
 from tests.real.window import Window, opened, wait_until
@@ -184,8 +184,7 @@ def test_the_dialog_exports_it(fresh: Window) -> None:
 
 def test_a_browser_shows_it(fresh: Window, root: Root, driver: BrowserType) -> None:
     with served(fresh.folder / "radtex" / "vase") as address, chromium(root, driver, *SOFTWARE_GL) as browser:
-        page = browser.new_context(viewport={"width": 1000, "height": 640}).new_page()
-        page.set_default_timeout(120_000)
+        page = tab_of(browser, viewport={"width": 1000, "height": 640})
         page.goto(f"{address}/Vase.web/")
         Shown(page).wait()
         page.keyboard.press("c")

@@ -21,14 +21,13 @@ from playwright.sync_api import Browser
 from radtex_addon.core.arrays import Floats
 from radtex_addon.export.exporting import Exported, export_steps
 from radtex_addon.textures.export_spec import ExportSpec, Target
-from tests.real.browser import Shown
+from tests.real.browser import Shown, tab_of
 from tests.real.exhibit import Bake
 from tests.real.root import REPOSITORY
 
 SOURCES = REPOSITORY / "shaders/three"
 UV = os.environ.get("UV") or shutil.which("uv") or "uv"
 FIGURES = os.environ.get("RADTEX_FIGURES")  # a folder for screenshots of the page, docs/figures for one
-_PATIENCE = 120_000  # milliseconds: without a GPU, and beside other tests, a frame may take seconds
 
 
 @dataclass(frozen=True)
@@ -51,15 +50,12 @@ class Site:
         self, name: str, width: int = 1000, height: int = 700, before: str = "", **context: Any
     ) -> Iterator[Shown]:
         """A tab with the export of that name; `before` is a script that runs before the page's."""
-        tab = self.browser.new_context(viewport={"width": width, "height": height}, **context)
-        tab.set_default_timeout(_PATIENCE)
+        page = tab_of(self.browser, before, viewport={"width": width, "height": height}, **context)
         try:
-            page = tab.new_page()
-            page.add_init_script(before)
             page.goto(f"{self.address}/{name}")
             yield Shown(page)
         finally:
-            tab.close()
+            page.context.close()
 
 
 def build_page() -> None:

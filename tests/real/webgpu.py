@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -17,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from radtex_addon.core.arrays import Floats
-from tests.real.root import Root
+from tests.real.root import Root, ServerEndedError
 
 RUNNER = "/repository/tests/real/inside/webgpu.py"
 Values = npt.NDArray[Any]
@@ -121,10 +122,14 @@ def drawn(
     host, inside = root.shared("webgpu")
     job["facts"] = np.array(json.dumps(facts))
     np.savez(host / "job.npz", allow_pickle=False, **job)
-    run = root.run(["python3", RUNNER, f"{inside}/job.npz", f"{inside}/answers.npy"])
-    if run.returncode:
-        raise ValueError(f"wgpu refused the shader:\n{run.stderr}")
+    try:
+        said = root.ask(["python3", RUNNER], f"{inside}/job.npz {inside}/answers.npy")
+    except ServerEndedError as error:  # of what is very wrong
+        said = str(error)
+    if not (host / "answers.npy").exists():
+        raise ValueError(f"wgpu refused the shader:\n{said}")
     answers: Floats = np.load(host / "answers.npy").reshape(-1, 4)
+    shutil.rmtree(host)
     return answers
 
 

@@ -1,14 +1,16 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Run a fragment shader once for every pixel of a picture, by wgpu: python3 webgpu.py JOB.npz ANSWERS.npy
+"""Run fragment shaders once for every pixel of a picture, by wgpu: reads lines, JOB.npz ANSWERS.npy each.
 
-Runs where only numpy and wgpu are; tests/real/webgpu.py writes jobs and says what they hold.
+It answers each by what wgpu says of a bad shader, then a line ANSWERED. Runs where only numpy and wgpu are;
+tests/real/webgpu.py writes jobs and says what they hold.
 """
 
 from __future__ import annotations
 
 import json
 import sys
+import traceback
 from typing import Any
 
 import numpy as np
@@ -130,11 +132,18 @@ def drawn(device: Any, job: Any) -> Any:
     return np.frombuffer(answers, np.float32).reshape(height, width, 4)
 
 
-def main(job: str, answers: str) -> None:
-    """Run a job; what wgpu says of a bad shader goes to stderr, and the exit code is not 0."""
-    with np.load(job) as fields:
-        np.save(answers, drawn(open_device(), fields))
+def main() -> None:
+    """Run jobs until the input ends."""
+    device = open_device()
+    for line in sys.stdin:
+        job, answers = line.split()
+        try:
+            with np.load(job) as fields:
+                np.save(answers, drawn(device, fields))
+        except Exception:  # noqa: BLE001  # whatever wgpu raises of a shader
+            traceback.print_exc(file=sys.stdout)
+        print("ANSWERED", flush=True)
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    main()

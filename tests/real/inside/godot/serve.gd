@@ -1,17 +1,35 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
 extends SceneTree
-## Takes pictures of a project's main scene, each from a camera of shots.json, which godot.py writes.
+## Draws what files ask for, whose paths it reads as lines; after each it says ANSWERED. godot.py writes them.
 
 
 func _initialize() -> void:
-	var main: Node3D = load("res://main.tscn").instantiate()
+	var asked := OS.read_string_from_stdin(4096).strip_edges()
+	while asked:
+		var facts: Dictionary = JSON.parse_string(FileAccess.get_file_as_string(asked))
+		if facts.has("jobs"):
+			for job: Dictionary in facts.jobs:
+				FileAccess.open(job.output, FileAccess.WRITE).store_buffer(await drawn(job))
+		else:
+			await shoot(facts.scene, facts.shots)
+		print("ANSWERED")
+		asked = OS.read_string_from_stdin(4096).strip_edges()
+	quit()
+
+
+## Pictures of a scene, each from a camera of `shots`.
+func shoot(scene: String, shots: Array) -> void:
+	var main: Node3D = load(scene).instantiate()
 	root.add_child(main)
 	root.msaa_3d = Viewport.MSAA_DISABLED  # the reference looks through the middles of pixels
+	root.size = Vector2i(shots[0].pixels, shots[0].pixels)
 	await process_frame
 	var camera: Camera3D = main.get_node("Camera")
-	var behind := picture_behind()
-	for shot: Dictionary in JSON.parse_string(FileAccess.get_file_as_string("res://shots.json")):
+	camera.current = true
+	var layer := CanvasLayer.new()
+	var behind := picture_behind(layer)
+	for shot: Dictionary in shots:
 		camera.fov = shot.fovy
 		camera.transform = placed(shot.matrix)
 		main.transform = placed(shot.turn)
@@ -34,7 +52,8 @@ func _initialize() -> void:
 		for frame in 2:
 			await RenderingServer.frame_post_draw
 		root.get_texture().get_image().save_png(shot.output)
-	quit()
+	main.free()
+	layer.free()
 
 
 ## Show the mesh at these places alone, as instances of one MultiMesh or as nodes; at its own where there are none.
@@ -67,8 +86,7 @@ func show_copies(main: Node3D, places: Array, as_nodes: bool) -> void:
 
 
 ## What fills the picture where the environment's background is the canvas.
-func picture_behind() -> TextureRect:
-	var layer := CanvasLayer.new()
+func picture_behind(layer: CanvasLayer) -> TextureRect:
 	layer.layer = -1
 	root.add_child(layer)
 	var found := TextureRect.new()
@@ -118,3 +136,54 @@ func placed(rows: Array) -> Transform3D:
 	for column in 4:
 		columns.append(Vector3(rows[0][column], rows[1][column], rows[2][column]))
 	return Transform3D(columns[0], columns[1], columns[2], columns[3])
+
+
+## The bytes of a picture that a shader covers.
+func drawn(job: Dictionary) -> PackedByteArray:
+	var material := ShaderMaterial.new()
+	material.shader = load(job.shader)
+	for name: String in job.textures:
+		material.set_shader_parameter(name, texture(job.textures[name]))
+	for name: String in job.values:
+		material.set_shader_parameter(name, vectors(job.values[name]))
+	var viewport := SubViewport.new()
+	viewport.size = Vector2i(job.size[0], job.size[1])
+	viewport.transparent_bg = true
+	viewport.render_target_update_mode = SubViewport.UPDATE_ALWAYS
+	var rectangle := ColorRect.new()
+	rectangle.size = viewport.size
+	rectangle.material = material
+	viewport.add_child(rectangle)
+	root.add_child(viewport)
+	for frame in 2:
+		await RenderingServer.frame_post_draw
+	var image := viewport.get_texture().get_image()
+	assert(image.get_format() == Image.FORMAT_RGBA8)
+	viewport.queue_free()
+	return image.get_data()
+
+
+func vectors(numbers: Array) -> Variant:
+	if numbers[0] is not Array:
+		return Vector4(numbers[0], numbers[1], numbers[2], numbers[3])
+	var found := PackedVector4Array()
+	for row: Array in numbers:
+		found.append(vectors(row))
+	return found
+
+
+func texture(facts: Dictionary) -> Texture:
+	if facts.file.ends_with(".ktx2") or facts.file.ends_with(".dds"):
+		return load(facts.file)
+	var bytes := FileAccess.get_file_as_bytes(facts.file)
+	var format := Image.FORMAT_RGBAH if facts.half else Image.FORMAT_RGBAF
+	var images: Array[Image] = []
+	var length := bytes.size() / int(facts.layers)
+	for layer in int(facts.layers):
+		var layer_bytes := bytes.slice(layer * length, (layer + 1) * length)
+		images.append(Image.create_from_data(facts.size[0], facts.size[1], facts.mipmaps, format, layer_bytes))
+	if not facts.layered:
+		return ImageTexture.create_from_image(images[0])
+	var layered := Texture2DArray.new()
+	layered.create_from_images(images)
+	return layered
