@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The zips, built once for all tests, by the command that builds them for a release, and a bare Blender."""
+"""The zips, and a bare Blender."""
 
 from __future__ import annotations
 
@@ -13,6 +13,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.real.installable import built_zips
+
 ROOT = Path(__file__).resolve().parents[2]
 BLENDER_OF = {(3, 11): "45", (3, 13): "52"}
 SYSTEMS = {"Linux": "linux", "Darwin": "macos", "Windows": "windows"}
@@ -20,11 +22,9 @@ MACHINES = {"x86_64": "x64", "AMD64": "x64", "arm64": "arm64"}
 
 
 @pytest.fixture(scope="session")
-def zips(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+def zips() -> dict[str, Path]:
     """One zip for each platform, as in {"linux-x64": …/radtex-0.1.0-linux_x64.zip}."""
-    out = tmp_path_factory.mktemp("dist")
-    subprocess.run([sys.executable, str(ROOT / ".ci/build_zip.py"), f"--out={out}"], check=True)
-    return {path.stem.rpartition("-")[2].replace("_", "-"): path for path in out.glob("*.zip")}
+    return {path.stem.rpartition("-")[2].replace("_", "-"): path for path in built_zips().glob("*.zip")}
 
 
 @pytest.fixture(scope="session")

@@ -11,11 +11,10 @@ from __future__ import annotations
 import ast
 import sys
 from collections.abc import Iterator
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
-
-from tests.package.import_circles import find_circle
 
 pytestmark = pytest.mark.one_blender
 
@@ -40,15 +39,7 @@ ORDER = [
 RANK = {layer: rank for rank, row in enumerate(ORDER) for layer in row}
 
 BLENDER = {
-    "addon_utils",
-    "bl_operators",
-    "bl_ui",
-    "blf",
-    "bpy",
-    "bmesh",
-    "mathutils",
-    "bpy_extras",
-    "gpu",
+    *("addon_utils", "bl_operators", "bl_ui", "blf", "bpy", "bmesh", "mathutils", "bpy_extras", "gpu"),
     "_cycles",
 }
 ALLOWED: dict[str, set[str]] = {
@@ -57,23 +48,8 @@ ALLOWED: dict[str, set[str]] = {
     "formats": {"numpy", "Imath", "OpenEXR", "zstandard"},
     "bake": {"numpy"},
     "scene": {"numpy"} | BLENDER,
-} | dict.fromkeys(
-    (
-        "cycles",
-        "preview",
-        "textures",
-        "prepare",
-        "forms",
-        "export",
-        "job",
-        "report",
-        "farm",
-        "worker",
-        "ui",
-        "cli",
-    ),
-    {"numpy"} | BLENDER,
-)
+}
+ALLOWED |= {layer: {"numpy"} | BLENDER for row in ORDER[5:] for layer in row}
 
 # A script that runs in a process without Blender and without the rest of the package.
 WORKER = ("scene", "uv", "xatlas_worker")
@@ -129,60 +105,95 @@ def trespasses(module: tuple[str, ...], source: str) -> list[str]:
     return [".".join(name) for name in imports(module, source) if not may(*name)]
 
 
-@pytest.mark.parametrize("module", MODULES, ids=".".join)
-def test_a_module_imports_only_from_the_layers_left_of_it(module: tuple[str, ...]) -> None:
-    source = PACKAGE.joinpath(*module).with_suffix(".py").read_text(encoding="utf-8")
-    assert not trespasses(module, source)
+def source_of(module: tuple[str, ...]) -> str:
+    return PACKAGE.joinpath(*module).with_suffix(".py").read_text(encoding="utf-8")
 
 
-def test_everything_in_the_package_belongs_to_a_layer() -> None:
+def test_every_module_is_of_a_layer_and_imports_only_from_the_layers_left_of_it() -> None:
     assert {module[0] for module in MODULES} <= RANK.keys()
+    found = {".".join(module): trespasses(module, source_of(module)) for module in MODULES}
+    assert {module: names for module, names in found.items() if names} == {}
+
+
+ATLAS = ("core", "atlas")
 
 
 @pytest.mark.parametrize(
-    "source",
+    ("module", "source"),
     [
-        "import bpy",
-        "def f():\n    from mathutils import Vector",
-        "from ..ui import operator",
-        "from .. import formats",
-        "import scipy.optimize",
-        "from radtex_addon.core import errors",
+        (ATLAS, "import bpy"),
+        (ATLAS, "def f():\n    from mathutils import Vector"),
+        (ATLAS, "from ..ui import operator"),
+        (ATLAS, "from .. import formats"),
+        (ATLAS, "import scipy.optimize"),
+        (ATLAS, "from radtex_addon.core import errors"),
+        (WORKER, "import bpy"),
+        (WORKER, "from ..core.errors import InputError"),
+        (("scene", "packing"), "import xatlas"),
+        (METRICS, "import bpy"),
+        (("report", "page"), "import flip_evaluator"),
+        (("worker", "queue"), "import bpy"),
     ],
 )
-def test_a_trespass_is_seen(source: str) -> None:
-    assert trespasses(("core", "atlas"), source)
-
-
-def test_only_the_worker_imports_xatlas_and_it_imports_nothing_of_ours() -> None:
-    assert not trespasses(WORKER, "import numpy, xatlas, pickle")
-    assert trespasses(WORKER, "import bpy")
-    assert trespasses(WORKER, "from ..core.errors import InputError")
-    assert trespasses(("scene", "packing"), "import xatlas")
-
-
-def test_only_the_metrics_import_flip() -> None:
-    assert not trespasses(METRICS, "import numpy, flip_evaluator")
-    assert trespasses(METRICS, "import bpy")
-    assert trespasses(("report", "page"), "import flip_evaluator")
-
-
-def test_a_queue_of_workers_needs_no_blender() -> None:
-    assert set(MODULES) >= OUTSIDE
-    assert trespasses(("worker", "queue"), "import bpy")
-    assert not trespasses(("worker", "handover"), "import bpy")
+def test_a_trespass_is_seen(module: tuple[str, ...], source: str) -> None:
+    assert trespasses(module, source)
 
 
 @pytest.mark.parametrize(
-    "source",
-    ["import numpy as np", "from .errors import ShapeError", "from ..version import VERSION", "import json"],
+    ("module", "source"),
+    [
+        (ATLAS, "import numpy as np, json\nfrom .errors import ShapeError\nfrom ..version import VERSION"),
+        (WORKER, "import numpy, xatlas, pickle"),
+        (METRICS, "import numpy, flip_evaluator"),
+        (("worker", "handover"), "import bpy"),
+    ],
 )
-def test_what_core_may_import_is_no_trespass(source: str) -> None:
-    assert not trespasses(("core", "atlas"), source)
+def test_what_a_module_may_import_is_no_trespass(module: tuple[str, ...], source: str) -> None:
+    assert set(MODULES) >= OUTSIDE
+    assert not trespasses(module, source)
 
 
 def test_no_modules_import_each_other() -> None:
     assert find_circle() is None
+
+
+def find_circle() -> list[str] | None:
+    """One circle of imports, those inside functions among them, those for type checkers not; None if none."""
+    modules = {_name(path): path for path in PACKAGE.rglob("*.py")}
+    graph = {name: set(_imported(name, path, modules)) - {name} for name, path in modules.items()}
+    try:
+        tuple(TopologicalSorter(graph).static_order())
+    except CycleError as error:
+        found: list[str] = error.args[1]
+        return found
+    return None
+
+
+def _name(path: Path) -> str:
+    parts = path.relative_to(PACKAGE).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def _imported(name: str, path: Path, modules: dict[str, Path]) -> Iterator[str]:
+    package = name if path.name == "__init__.py" else name.rpartition(".")[0]
+    for node in _running(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom) and node.level:
+            above = package.split(".")[: len(package.split(".")) - node.level + 1] if package else []
+            base = ".".join([*above, *(node.module.split(".") if node.module else [])])
+            submodules = [f"{base}.{alias.name}".lstrip(".") for alias in node.names]
+            found = [each for each in submodules if each in modules]
+            yield from found
+            if len(found) < len(submodules) and base in modules:
+                yield base
+
+
+def _running(node: ast.AST) -> Iterator[ast.AST]:
+    """All nodes but those below `if TYPE_CHECKING`."""
+    if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
+        return
+    yield node
+    for child in ast.iter_child_nodes(node):
+        yield from _running(child)
 
 
 # `scene.objects` has what does not render and lacks instances, and an object's own `matrix_world` is stale
@@ -246,10 +257,6 @@ def reads_scene(source: str) -> bool:
 
 
 def test_what_renders_is_asked_in_one_place() -> None:
-    found = {
-        "/".join(module)
-        for module in MODULES
-        if reads_scene(PACKAGE.joinpath(*module).with_suffix(".py").read_text(encoding="utf-8"))
-    }
+    found = {"/".join(module) for module in MODULES if reads_scene(source_of(module))}
     assert found - READERS.keys() == set(), "ask scene/mesh/render_contents.py"
     assert READERS.keys() - found == set(), "no longer needed in READERS"

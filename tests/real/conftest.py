@@ -92,9 +92,11 @@ def root(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
 @pytest.fixture(scope="session")
 def compilers(
     root: Root, request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
-) -> Compilers:
+) -> Iterator[Compilers]:
     """What game engines compile with, in a Debian of its own, which the first use builds."""
-    return Compilers(_root(COMPILERS, request.config, tmp_path_factory), root)
+    tools = _root(COMPILERS, request.config, tmp_path_factory)
+    yield Compilers(tools, root)
+    tools.end_servers()
 
 
 @pytest.fixture(scope="session")
@@ -108,8 +110,8 @@ def blender_root(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPa
 @pytest.fixture(scope="session")
 def window_zip(blender_root: Root, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The extension for the Blender in that root."""
-    archive = build_zip(tmp_path_factory.mktemp("dist"))
-    return with_wheels(archive, sorted((blender_root.path / "wheels").glob("*.whl")))
+    wheels = sorted((blender_root.path / "wheels").glob("*.whl"))
+    return with_wheels(build_zip(), wheels, tmp_path_factory.mktemp("dist"))
 
 
 @pytest.fixture(scope="module")

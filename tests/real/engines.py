@@ -8,6 +8,7 @@ with what they include written into them.
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -24,7 +25,7 @@ from radtex_addon.formats.containers.glb import Glb
 from radtex_addon.formats.containers.texture import PixelFormat
 from radtex_addon.textures.entry import Arranged, Container, TextureEntry
 from radtex_addon.textures.export_spec import Target
-from tests.real.hlsl import KINDS, compiled
+from tests.real.hlsl import KINDS, bindings_of, compiled
 from tests.real.root import DXC, Root
 from tests.real.webgpu import Resource, drawn
 from tests.reference.importers import attributes_of
@@ -36,7 +37,6 @@ DXC_RUNNER = "/repository/tests/real/inside/dxc.py"
 PROFILES = {"pixel": "ps_6_0", "vertex": "vs_6_0"}
 TO_SPIRV = ("-spirv", "-fvk-t-shift", "0", "0", "-fvk-s-shift", "32", "0", "-fvk-b-shift", "64", "0")
 _INCLUDE = re.compile(r'^[ \t]*#include "([^"]+)"[^\n]*$', re.MULTILINE)
-_BOUND = re.compile(r"OpDecorate %\w+ Binding (\d+)")
 _TURN = (0.18257, 0.36515, 0.54772, 0.73030)  # a node's rotation, a unit quaternion
 
 
@@ -68,10 +68,10 @@ def by_dxc(
     host, inside = compilers.tools.shared("dxc")
     (host / "shader.hlsl").write_text(source, encoding="utf-8")
     arguments = ["-T", PROFILES[stage], "-E", entry, *(TO_SPIRV if spirv else ())]
-    command = ["python3", DXC_RUNNER, DXC, f"{inside}/shader.hlsl", f"{inside}/shader.bin", *arguments]
-    run = compilers.tools.run(command)
-    if run.returncode:
-        raise ValueError(f"dxc: {run.stderr}")
+    asked = json.dumps([f"{inside}/shader.hlsl", f"{inside}/shader.bin", *arguments])
+    said = compilers.tools.ask(["python3", DXC_RUNNER, DXC], asked)
+    if not (host / "shader.bin").exists():
+        raise ValueError(f"dxc: {said}")
     return (host / "shader.bin").read_bytes()
 
 
@@ -92,10 +92,7 @@ def shown(
         code, registers = compiled(programs, compiler, source)
         return drawn(programs, code, {number: resources[name] for name, number in registers.items()}, side)
     code = by_dxc(compilers, source, spirv=True)
-    host, inside = programs.shared("spirv")
-    (host / "shader.spv").write_bytes(code)
-    listing = programs.run(["spirv-dis", f"{inside}/shader.spv"]).stdout
-    bound = [int(number) for number in _BOUND.findall(listing)]
+    bound = (number for _, number in bindings_of(code))
     return drawn(programs, code, {n: resources[f"{KINDS[n // 32]}{n % 32}"] for n in bound}, side)
 
 

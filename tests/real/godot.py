@@ -276,17 +276,25 @@ def placed(root: Root, export: Path, *, at_run_time: bool = False) -> Placed:
     return Placed(gallery, folder, place)
 
 
-def filled(root: Root, export: Path, *, settings: Mapping[str, object] | None = None) -> tuple[Path, str]:
-    """A project of its own with an export's files; `settings` are the Import dock's of the mesh."""
+def filled(
+    root: Root, exports: Mapping[str, Path], settings: Mapping[str, Mapping[str, object]] | None = None
+) -> tuple[Path, str]:
+    """A project of its own with the addon, and the files of each export in a folder of that name.
+
+    `settings` are the Import dock's of the meshes in those folders.
+    """
     folder, inside = root.shared("dropped")
     facts = (_PROJECT / "project.godot").read_text(encoding="utf-8")
     (folder / "project.godot").write_text(facts + _ENABLED, encoding="utf-8")
     copy_addon(folder)
-    mesh = _fill(folder, "res:/", export)
-    if settings:
-        lines = [f"{name}={json.dumps(value)}" for name, value in settings.items()]
-        text = _IMPORT.format(mesh=mesh) + "\n".join(lines)
-        (folder / f"{mesh}.import").write_text(text, encoding="utf-8")
+    for name, export in exports.items():
+        place = folder / name
+        place.mkdir()
+        mesh = _fill(place, f"res://{name}", export)
+        if settings and name in settings:
+            lines = [f"{key}={json.dumps(value)}" for key, value in settings[name].items()]
+            text = _IMPORT.format(mesh=f"{name}/{mesh}") + "\n".join(lines)
+            (place / f"{mesh}.import").write_text(text, encoding="utf-8")
     return folder, inside
 
 
@@ -323,11 +331,17 @@ def imported(root: Root, project: Path) -> tuple[Path, str]:
     return folder, inside
 
 
-def pictures(root: Root, project: tuple[Path, str], renderer: str, shots: Sequence[Shot]) -> list[Picture]:
-    """Linear light (H, W, 3) of each shot of an imported project, rows from the top, clipped to 0..1."""
+def pictures(
+    root: Root, project: tuple[Path, str], renderer: str, shots: Sequence[Shot], name: str = ""
+) -> list[Picture]:
+    """Linear light (H, W, 3) of each shot of an imported project, rows from the top, clipped to 0..1.
+
+    `name` is the folder of its scene.
+    """
     folder, inside = project
     shutil.copy(_PROJECT / "serve.gd", folder)
-    found = _shown(root, inside, folder, "res:/", renderer, shots)
+    place = f"res://{name}" if name else "res:/"
+    found = _shown(root, inside, folder / name, place, renderer, shots)
     root.end_server(_serving(inside, renderer))
     return found
 

@@ -8,9 +8,11 @@ translates that.
 
 from __future__ import annotations
 
-import re
-from collections.abc import Mapping, Sequence
+import shlex
+from collections.abc import Mapping
 from functools import cache
+
+import numpy as np
 
 from radtex_addon.core.arrays import Floats
 from tests.real.root import Root
@@ -26,7 +28,7 @@ STAGES = {
     "glslang": {"pixel": ["-S", "frag"], "vertex": ["-S", "vert"]},
     "vkd3d": {"pixel": ["-p", "ps_5_0"], "vertex": ["-p", "vs_5_0"]},
 }
-_NAME, _BINDING = re.compile(r'OpName (%\w+) "(\w+)"'), re.compile(r"OpDecorate (%\w+) Binding (\d+)")
+_OP_NAME, _OP_DECORATE, _DECORATED_BINDING = 5, 71, 33  # of SPIR-V
 
 
 @cache
@@ -41,25 +43,35 @@ def compiled(
     (host / "shader.hlsl").write_text(source, encoding="utf-8")
     binary = f"{inside}/shader.spv"
     options = [*STAGES[compiler][stage], "-e", entry]
-    _said(root, [*COMPILERS[compiler], *options, "-o", binary, f"{inside}/shader.hlsl"])
-    _said(root, ["spirv-val", "--target-env", "vulkan1.0", binary])
-    listing = _said(root, ["spirv-dis", binary])
-    names, bindings = dict(_NAME.findall(listing)), _BINDING.findall(listing)
+    compiling = shlex.join([*COMPILERS[compiler], *options, "-o", binary, f"{inside}/shader.hlsl"])
+    run = root.run(["sh", "-c", f"{compiling} && spirv-val --target-env vulkan1.0 {binary}"], cwd=SHADERS)
+    if run.returncode:
+        raise ValueError(f"{compiler}: {run.stdout}{run.stderr}")
+    code = (host / "shader.spv").read_bytes()
     if compiler == "vkd3d":  # calls them t0, s0, cb0_0
-        registers = {names[variable].removeprefix("c").split("_")[0]: int(k) for variable, k in bindings}
+        registers = {name.removeprefix("c").split("_")[0]: k for name, k in bindings_of(code)}
     else:  # calls them as we do, but numbers them by their kind
-        registers = {f"{KINDS[int(k) // 32]}{int(k) % 32}": int(k) for _, k in bindings}
-    return (host / "shader.spv").read_bytes(), registers
+        registers = {f"{KINDS[k // 32]}{k % 32}": k for _, k in bindings_of(code)}
+    return code, registers
+
+
+def bindings_of(code: bytes) -> list[tuple[str, int]]:
+    """The names and bindings of a module's variables."""
+    words = np.frombuffer(code, "<u4")
+    names: dict[int, str] = {}
+    found, at = [], 5  # after the header
+    while at < len(words):
+        length, operation = int(words[at] >> 16), int(words[at] & 0xFFFF)
+        operands = words[at + 1 : at + length]
+        if operation == _OP_NAME:
+            names[int(operands[0])] = operands[1:].tobytes().partition(b"\0")[0].decode()
+        if operation == _OP_DECORATE and operands[1] == _DECORATED_BINDING:
+            found.append((int(operands[0]), int(operands[2])))
+        at += length
+    return [(names.get(variable, ""), binding) for variable, binding in found]
 
 
 def looked_up(root: Root, compiler: str, source: str, resources: Mapping[str, Resource], side: int) -> Floats:
     """What the pixel shader `main` returns for each pixel, (side², 4) float32; `resources` by register."""
     code, registers = compiled(root, compiler, source)
     return drawn(root, code, {number: resources[name] for name, number in registers.items()}, side)
-
-
-def _said(root: Root, argv: Sequence[str]) -> str:
-    run = root.run(argv, cwd=SHADERS)
-    if run.returncode:
-        raise ValueError(f"{argv[0]}: {run.stdout}{run.stderr}")
-    return run.stdout

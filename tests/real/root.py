@@ -41,6 +41,13 @@ _CERTIFICATES = Path("/etc/ssl/certs/ca-certificates.crt")
 _PIP_SETTINGS = ("/etc/pip.conf", "~/.pip/pip.conf", "~/.config/pip/pip.conf")
 _QUICK_DPKG = "force-unsafe-io\npath-exclude=/usr/share/doc/*\npath-exclude=/usr/share/locale/*\n"
 _PATIENCE = 1200  # seconds that a step of building may take: it fetches from the network
+# Runs a script of the shared folder for each line, which names it, and says its exit code.
+_SHELL = """while read -r script; do
+sh "/shared/$script" </dev/null >"/shared/$script.out" 2>"/shared/$script.err"
+echo $?
+echo ANSWERED
+done"""
+_SCRIPT = ".script"
 # What is mounted or started in it ends with it, and it ends with who started it.
 _NAMESPACE = ("setpriv", "--pdeathsig", "KILL", "unshare", "--mount", "--pid", "--fork", "--kill-child")
 _ENTER = REPOSITORY / "tests/real/enter.sh"
@@ -208,9 +215,17 @@ class Root:
         timeout: float = 240,
         cwd: str = "/shared",
     ) -> subprocess.CompletedProcess[str]:
-        """Run a program to its end in the folder `cwd` of the inside; its exit code is unchecked."""
-        command = self.command(argv, env=env, cwd=cwd)
-        return subprocess.run(command, capture_output=True, text=True, timeout=timeout, check=False)
+        """Run a program to its end in the folder `cwd` of the inside; its exit code is unchecked.
+
+        A shell that stays inside starts it, for to enter takes longer than many a program does.
+        Raises ServerEndedError where it takes too long.
+        """
+        variables = [f"{name}={value}" for name, value in (env or {}).items()]
+        script = f"cd {shlex.quote(cwd)} && exec {shlex.join(['env', *variables, *argv])}\n"
+        (self.exchange / _SCRIPT).write_text(script, encoding="utf-8")
+        code = int(self.ask(["sh", "-c", _SHELL], _SCRIPT, timeout))
+        said = [(self.exchange / f"{_SCRIPT}.{end}").read_text(encoding="utf-8") for end in ("out", "err")]
+        return subprocess.CompletedProcess(list(argv), code, *said)
 
     def start(
         self,

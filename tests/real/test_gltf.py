@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The exported .glb by Khronos's validator, which .ci/build_web.py installs from npm by its lock file."""
+"""The exported .glb for everybody else: Khronos's validator, and three.js without a word of our extension."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import re
 from pathlib import Path
 from typing import Any
 
-import pytest
+import numpy as np
 
 from radtex_addon.bake.progress import finished
 from radtex_addon.export.exporting import export_steps
@@ -18,29 +18,24 @@ from radtex_addon.formats.containers.glb import Glb
 from radtex_addon.textures.export_spec import ExportSpec, Target
 from tests.blender.every_kind import EXPORTS, bake_every_kind
 from tests.gltf_schema import EXTENSION_FOLDER
-from tests.real.exhibit import Bake, Exhibit, Form
-from tests.real.web import build_page, node
+from tests.real.browser import Shown, decoded
+from tests.real.exhibit import CAMERAS, Bake, Exhibit, Form
+from tests.real.root import REPOSITORY
+from tests.real.web import SOURCES, Site, encoded, node
 
-VALIDATE = """
-const fs = require("fs"), validator = require("gltf-validator");
-validator.validateBytes(new Uint8Array(fs.readFileSync(process.argv[1])), { maxIssues: 0 })
-  .then((report) => process.stdout.write(JSON.stringify(report)));
-"""
+INSIDE = REPOSITORY / "tests/real/inside"
+
 # What it tells as information, as docs/gltf/RADTEX_radiance_texture/README.md lists it: it does not know our
 # extension, nor what we need tangents and levels of detail for, and textures may have any size by now.
 KNOWN = {"UNSUPPORTED_EXTENSION", "UNUSED_MESH_TANGENT", "UNUSED_OBJECT", "IMAGE_NPOT_DIMENSIONS"}
 README = EXTENSION_FOLDER / "README.md"
 
 
-@pytest.fixture(scope="module", autouse=True)
-def _packages() -> None:
-    """The validator comes with what the page is built by."""
-    build_page()
-
-
-def validated(glb: Path) -> dict[str, Any]:
-    report: dict[str, Any] = json.loads(node("node", "-e", VALIDATE, str(glb)))
-    return report
+def validated(*files: Path) -> list[dict[str, Any]]:
+    reports: list[dict[str, Any]] = json.loads(
+        node("node", str(INSIDE / "validate.mjs"), str(SOURCES), *map(str, files))
+    )
+    return reports
 
 
 def codes(report: dict[str, Any]) -> set[str]:
@@ -50,41 +45,68 @@ def codes(report: dict[str, Any]) -> set[str]:
     return {message["code"] for message in issues["messages"]}
 
 
-def exported(bake: Bake, folder: Path) -> Path:
-    made = finished(export_steps(bake.sidecar, ExportSpec(Target.GLTF), folder))
-    return made.folder / f"{made.name}.glb"
-
-
-@pytest.mark.parametrize("form", Form)
-def test_the_validator_finds_no_error(form: Form, exhibit: Exhibit, tmp_path: Path) -> None:
-    report = validated(exported(getattr(exhibit, form), tmp_path / "made"))
-    assert codes(report) <= KNOWN
-    facts = report["info"]
-    materials = 2 if form is Form.LAYERED else 1
-    assert (facts["materialCount"], facts["drawCallCount"]) == (materials, materials)
-    assert facts["totalTriangleCount"] == 15744
-    assert facts["resources"][1]["image"]["transfer"] == "srgb"
-
-
-def test_every_kind_and_a_scene_have_no_error_and_no_warning(room: list[Path], tmp_path: Path) -> None:
+def test_the_validator_finds_no_error_in_any_export(
+    web: Site, exhibit: Exhibit, room: list[Path], tmp_path: Path
+) -> None:
+    """Of each kind, of a scene, and of both forms for glTF and for the web; and that it would find one."""
+    files = [EXTENSION_FOLDER / "example" / "Ball.glb"]
     sidecars = bake_every_kind(tmp_path / "bakes")
-    told = codes(validated(EXTENSION_FOLDER / "example" / "Ball.glb"))
     for name, (kind, spec) in EXPORTS.items():
         made = finished(export_steps(sidecars[kind], spec, tmp_path / name))
-        told |= codes(validated(made.folder / f"{made.name}.glb"))
-    steps = export_scene_steps(room, ExportSpec(Target.GLTF), "Room", tmp_path / "room")
-    told |= codes(validated(finished(steps).folder / "Room.glb"))
+        files.append(made.folder / f"{made.name}.glb")
+    made = finished(export_scene_steps(room, ExportSpec(Target.GLTF), "Room", tmp_path / "room"))
+    files.append(made.folder / "Room.glb")
+    heads = []
+    for form in Form:
+        bake: Bake = getattr(exhibit, form)
+        made = finished(export_steps(bake.sidecar, ExportSpec(Target.GLTF), tmp_path / form))
+        heads += [made.folder / f"{made.name}.glb", next(web.add(form, bake).glob("*.glb"))]
+    reports = validated(*files, *heads, spoilt(heads[0], tmp_path))
+    told = set().union(*map(codes, reports[: len(files)]))
     print(sorted(told))
     assert told == KNOWN
     listed = set(re.findall(r"^\| `([A-Z_]+)` \|", README.read_text(encoding="utf-8"), re.MULTILINE))
     assert listed - {"POSITION", "NORMAL", "TANGENT", "TEXCOORD_0"} == KNOWN
+    for report, materials in zip(reports[len(files) : -1], (1, 1, 2, 2), strict=True):
+        assert codes(report) <= KNOWN
+        facts = report["info"]
+        assert (facts["materialCount"], facts["drawCallCount"]) == (materials, materials)
+        assert facts["totalTriangleCount"] == 15744
+        assert facts["resources"][1]["image"]["transfer"] == "srgb"
+    assert "ACCESSOR_VECTOR3_NON_UNIT" in {each["code"] for each in reports[-1]["issues"]["messages"]}
 
 
-def test_it_would_find_a_tangent_that_is_no_unit(exhibit: Exhibit, tmp_path: Path) -> None:
-    path = exported(exhibit.plain, tmp_path / "made")
-    glb = Glb.read(path)
+def spoilt(file: Path, folder: Path) -> Path:
+    """The file with tangents that are no units."""
+    glb = Glb.read(file)
     attributes = glb.document["meshes"][0]["primitives"][0]["attributes"]
     attributes["TANGENT"] = glb.add_vertices(4 * glb.accessor(attributes["TANGENT"]))
-    glb.write(path)
-    messages = validated(path)["issues"]["messages"]
-    assert "ACCESSOR_VECTOR3_NON_UNIT" in {message["code"] for message in messages}
+    glb.write(folder / "spoilt.glb")
+    return folder / "spoilt.glb"
+
+
+def test_threejs_shows_the_flat_lightmap(web: Site, exhibit: Exhibit, tmp_path: Path) -> None:
+    folder = web.add("plain", exhibit.plain)
+    (mesh,) = folder.glob("*.glb")
+    script = folder / "plain_three.js"
+    node(
+        *("npx", "esbuild", str(INSIDE / "plain_three.js"), "--bundle", "--format=iife"),
+        *(f"--alias:three={SOURCES / 'node_modules/three'}", f"--outfile={script}", "--log-level=error"),
+    )
+    (folder / "plain.html").write_text('<canvas id="view"></canvas><script src="plain_three.js"></script>')
+    camera = CAMERAS[0]
+    with web.opened("plain/") as shown:
+        ours = shown.wait()
+        ours.set_camera(camera)
+        flat = ours.pixels(flat=True)[..., :3]
+        scale = json.loads(next(folder.glob("*.export.json")).read_text())["flat_scale"]
+    said: list[str] = []
+    with web.opened("plain/plain.html") as shown:
+        shown.page.on("console", lambda message: said.append(f"{message.type}: {message.text}"))
+        made = shown.page.evaluate("([file, camera]) => draw(file, camera)", [mesh.name, Shown.view(camera)])
+        theirs = decoded(made).reshape(camera.pixels, camera.pixels, 4)[..., :3]
+    assert not any("GLTFLoader" in line for line in said), said
+    mask = exhibit.plain.eroded(camera)
+    assert mask.sum() > 5000
+    difference = np.abs(theirs - encoded(flat * scale)).max(axis=2)[mask]
+    assert np.quantile(difference, 0.9) < 0.03

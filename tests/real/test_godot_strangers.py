@@ -7,11 +7,11 @@ from __future__ import annotations
 import json
 import shutil
 from collections.abc import Mapping
+from itertools import product
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pytest
 
 from radtex_addon.export.gltf import extension_in
 from radtex_addon.formats.containers.dds import write_texture
@@ -50,25 +50,14 @@ def export(folder: Path, changes: Mapping[str, object]) -> Path:
     return folder
 
 
-def said_at_import(root: Root, place: tuple[Path, str]) -> str:
-    """What Godot says at the import of a project, in which no script ran that is not the addon's."""
-    folder, inside = place
-    (folder / "evil.tres").write_text(EVIL, encoding="utf-8")
-    (folder.parent / "up").mkdir(exist_ok=True)
-    (folder.parent / "up" / "evil.tres").write_text(EVIL, encoding="utf-8")
-    said = said_by_godot(root, ["--headless", "--path", inside, "--import"])
-    assert not (folder / "ran.txt").exists(), said
-    return said
-
-
 def test_the_script_of_a_resource_runs_when_it_is_loaded(root: Root, tmp_path: Path) -> None:
     """What the others rely on: whoever loads this resource, by its name or another one, runs its script."""
-    folder, inside = filled(root, export(tmp_path / "export", {}))
+    folder, inside = filled(root, {"own": export(tmp_path / "export", {})})
     (folder / "evil.tres").write_text(EVIL, encoding="utf-8")
     for name, leads in (("evil.tres", False), ("Other.ktx2", True), ("Other.dds", True)):
         (folder / "ran.txt").unlink(missing_ok=True)
         if leads:
-            shutil.copy(folder / "Ball.radiance.ktx2", folder / name)
+            shutil.copy(folder / "own/Ball.radiance.ktx2", folder / name)
             (folder / f"{name}.import").write_text(LEADS, encoding="utf-8")
         script = f'extends SceneTree\n\nfunc _init() -> void:\n\tload("res://{name}")\n\tquit()\n'
         (folder / "load.gd").write_text(script, encoding="utf-8")
@@ -76,34 +65,35 @@ def test_the_script_of_a_resource_runs_when_it_is_loaded(root: Root, tmp_path: P
         assert (folder / "ran.txt").exists(), name
 
 
-@pytest.mark.parametrize("uri", ["evil.tres", "../up/evil.tres", "%2E%2E/up/evil.tres"])
-def test_a_file_of_another_kind_is_not_loaded(uri: str, root: Root, tmp_path: Path) -> None:
-    place = filled(root, export(tmp_path / "export", {"container": "dds", "uri": uri}))
-    assert REFUSED in said_at_import(root, place)
-
-
-@pytest.mark.parametrize("ending", ["import", "remap"])
-@pytest.mark.parametrize("container", ["ktx2", "dds"])
-def test_a_file_that_leads_to_another_is_not_followed(
-    container: str, ending: str, root: Root, tmp_path: Path
-) -> None:
-    """A texture that Godot would load by itself, but for the .import or .remap beside it."""
-    name = f"Ball.radiance.{container}"
-    entry = {"file": name, "uri": name, "container": container, "format": "RGBA16F", "levels": 1}
-    folder, inside = filled(root, export(tmp_path / "export", entry))
+def test_no_script_of_a_stranger_runs_at_the_import(root: Root, tmp_path: Path) -> None:
+    """A file of another kind is refused; a texture that Godot would load by itself is read, but the .import
+    or .remap beside it, which lead to a script, are not followed."""
+    exports, textures = {}, {}
+    for number, uri in enumerate(("evil.tres", "../up/evil.tres", "%2E%2E/up/evil.tres")):
+        exports[f"evil{number}"] = export(tmp_path / f"evil{number}", {"container": "dds", "uri": uri})
     light = np.random.default_rng(1).random((96, 96, 4)).astype(np.float16)
     texture = encode_texture([light[None]], PixelFormat.RGBA16F)
-    if container == "dds":
-        write_texture(folder / name, texture)
-    else:
-        write_ktx2(folder / name, texture)
-    (folder / f"{name}.{ending}").write_text(LEADS, encoding="utf-8")
-    assert "ERROR: RadTex" not in said_at_import(root, (folder, inside))
+    for container, ending in product(("ktx2", "dds"), ("import", "remap")):
+        file = f"Ball.radiance.{container}"
+        entry = {"file": file, "uri": file, "container": container, "format": "RGBA16F", "levels": 1}
+        exports[f"{container}-{ending}"] = export(tmp_path / f"{container}-{ending}", entry)
+        textures[f"{container}-{ending}"] = file
+    folder, inside = filled(root, exports)
+    for name, file in textures.items():
+        write = write_texture if file.endswith("dds") else write_ktx2
+        write(folder / name / file, texture)
+        (folder / name / f"{file}.{name.partition('-')[2]}").write_text(LEADS, encoding="utf-8")
+    for name in (".", "up", *exports):
+        (folder / name).mkdir(exist_ok=True)
+        (folder / name / "evil.tres").write_text(EVIL, encoding="utf-8")
+    said = said_by_godot(root, ["--headless", "--path", inside, "--import"])
+    assert not (folder / "ran.txt").exists(), said
+    assert said.count("ERROR: RadTex") == said.count(REFUSED) == 3, said
 
 
 def test_all_that_strangers_make_is_refused(root: Root, tmp_path: Path) -> None:
     """By the check that comes before all else; what RadTex wrote passes."""
-    folder, inside = filled(root, export(tmp_path / "export", {}))
+    folder, inside = filled(root, {"own": export(tmp_path / "export", {})})
     made: list[Any] = [*BASES.values(), *(facts for _, facts in attacks("gltf"))]
     (folder / "made.json").write_text(json.dumps(made), encoding="utf-8")
     shutil.copy(Path(__file__).parent / "inside/godot/check.gd", folder)

@@ -11,6 +11,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -76,9 +77,26 @@ def exported(bake: Bake, folder: Path, **settings: Any) -> Exported:
 
 def node(*arguments: str) -> str:
     """What Node prints, with the page's packages at hand. CalledProcessError where it fails."""
-    tool = [UV, "run", "--quiet", "--frozen", "--isolated", "--only-group=package", f"--project={REPOSITORY}"]
-    run = subprocess.run([*tool, *arguments], cwd=SOURCES, check=True, capture_output=True, text=True)
+    programs = _packaging_tools()
+    variables = os.environ | {"PATH": f"{programs}{os.pathsep}{os.environ['PATH']}"}
+    command = [str(programs / arguments[0]), *arguments[1:]]
+    run = subprocess.run(command, cwd=SOURCES, env=variables, check=True, capture_output=True, text=True)
     return run.stdout
+
+
+@cache
+def _packaging_tools() -> Path:
+    """The programs of an environment for packaging, by uv.lock, which is there until this process ends."""
+    tool = [UV, "run", "--quiet", "--frozen", "--isolated", "--only-group=package", f"--project={REPOSITORY}"]
+    code = "import sys, sysconfig; print(sysconfig.get_path('scripts'), flush=True); sys.stdin.read()"
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
+    held = subprocess.Popen([*tool, "python", "-c", code], text=True, **pipes)
+    _HELD.append(held)
+    assert held.stdout is not None
+    return Path(held.stdout.readline().strip())
+
+
+_HELD: list[subprocess.Popen[str]] = []
 
 
 def encoded(light: Floats) -> Floats:

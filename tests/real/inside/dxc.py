@@ -1,15 +1,17 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Compile HLSL by Microsoft's compiler, a library: python3 dxc.py LIBRARY SOURCE BINARY ARGUMENTS...
+"""Compile HLSL by Microsoft's compiler, a library: python3 dxc.py LIBRARY
 
-Runs where only Python is. Exits with 1, and what the compiler says on stderr, for a bad shader. The interface
-is COM's, by tables of functions: dxcapi.h of DirectXShaderCompiler. On Linux each table has two destructors
-behind IUnknown's three functions.
+Reads lines, [SOURCE, BINARY, ARGUMENTS...] in JSON each, and answers each by what the compiler says, then a
+line ANSWERED; of a bad shader there is no binary. Runs where only Python is. The interface is COM's, by
+tables of functions: dxcapi.h of DirectXShaderCompiler. On Linux each table has two destructors behind
+IUnknown's three functions.
 """
 
 from __future__ import annotations
 
 import ctypes
+import json
 import sys
 import uuid
 from pathlib import Path
@@ -82,12 +84,14 @@ def compiled(library: str, source: bytes, arguments: list[str]) -> tuple[bool, b
 
 
 def main() -> None:
-    library, source, binary, *arguments = sys.argv[1:]
-    good, data, said = compiled(library, Path(source).read_bytes(), arguments)
-    sys.stderr.write(said)
-    if not good:
-        sys.exit(1)
-    Path(binary).write_bytes(data)
+    """Compile until the input ends."""
+    library = sys.argv[1]
+    for line in sys.stdin:
+        source, binary, *arguments = json.loads(line)
+        good, data, said = compiled(library, Path(source).read_bytes(), arguments)
+        if good:
+            Path(binary).write_bytes(data)
+        print(f"{said}\nANSWERED", flush=True)
 
 
 main()

@@ -14,8 +14,8 @@ func serve() -> void:
 	var line := OS.read_string_from_stdin(65536).strip_edges()
 	while line:
 		for path: String in line.split(" "):
-			while files.is_scanning() or files.is_importing() or not ResourceLoader.exists(path):
-				if not files.is_scanning() and not files.is_importing():
+			while files.is_scanning() or not ResourceLoader.exists(path):
+				if not files.is_scanning():
 					files.scan()
 				await get_tree().process_frame
 		print("ANSWERED")

@@ -1,11 +1,16 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
 extends SceneTree
-## Says of Ball.glb what was made of its mesh, and whether its material is the addon's.
+## Says of each Ball.glb what was made of its mesh, and whether its material is the addon's.
 
 
 func _initialize() -> void:
-	var scene: Node = load("res://Ball.glb").instantiate()
+	for folder: String in ["kept", "extracted"]:
+		tell(load("res://%s/Ball.glb" % folder).instantiate())
+	quit()
+
+
+func tell(scene: Node) -> void:
 	for node: MeshInstance3D in scene.find_children("*", "MeshInstance3D", true, false):
 		var levels := 0
 		for surface: Dictionary in node.mesh.get("_surfaces"):
@@ -14,4 +19,3 @@ func _initialize() -> void:
 		var ours := "radtex/surfaces" if shader and "radtex/surfaces" in shader.code else "another"
 		print("%s: %d surface, %d levels of detail, of %s" % [node.name, node.mesh.get_surface_count(), levels, ours])
 	scene.free()
-	quit()
