@@ -5,14 +5,26 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from itertools import product
 
 import numpy as np
 import pytest
 
 from radtex_addon.core.arrays import Floats
+from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.pages import fitting_pages
 from radtex_addon.core.sampler import Filter
 from radtex_addon.core.slices import to_slices
+from radtex_addon.formats.shadow_files import Words
+from radtex_addon.forms.layered.shader_values import (
+    FULL,
+    Cost,
+    bake_values,
+    definitions,
+    layers_read,
+    material_values,
+)
+from tests.layered_lookups import Case, assert_agrees, case_of
 from tests.lookups import (
     LAYOUT,
     SIDE,
@@ -24,8 +36,21 @@ from tests.lookups import (
     relative_error,
     worst_error,
 )
-from tests.real.godot import RENDERERS, Job, answers
+from tests.real.godot import RENDERERS, Image, Job, answers
 from tests.real.root import Root
+from tests.real.shadows import (
+    ACROSS,
+    ANGLE,
+    CORNER,
+    ONE,
+    POINTS,
+    RECTANGLE,
+    SUN,
+    UP,
+    check,
+    expected,
+    random_words,
+)
 from tests.real.test_glsl_derivatives import uvs_of_quads
 from tests.reference.levels import level_chain, sample_level
 from tests.reference.pages import page_chain
@@ -35,7 +60,7 @@ WORST = 2e-3
 LEVELS = 4  # 13 x 7 texels are stored as 16 x 8, and the last level as 2 x 1
 PAGES = fitting_pages(LAYOUT, 50, LEVELS)
 PAGED = "#define RADTEX_PAGES\n"
-ONE = f"""
+HEAD = f"""
 #ifdef RADTEX_PAGES
 #define ATLAS atlas, ivec4({PAGES.columns}, {PAGES.rows}, {PAGES.width}, {PAGES.height})
 #else
@@ -93,7 +118,7 @@ def test_filters_agree_with_the_reference(root: Root, renderer: str) -> None:
     ways = [(kind, form) for kind in Filter for form in ("one image", "pages")]
     jobs = [
         Job(
-            ONE + BY_FILTER % list(Filter).index(kind),
+            HEAD + BY_FILTER % list(Filter).index(kind),
             {"atlas": paged if form == "pages" else atlas} | fields(lookups),
             defines=PAGED if form == "pages" else "",
         )
@@ -110,7 +135,7 @@ def test_filters_agree_with_the_reference(root: Root, renderer: str) -> None:
 def test_buckets_do_not_bleed_when_the_hardware_blends_them(root: Root, renderer: str) -> None:
     atlas, lookups = constant_buckets(), random_lookups()
     job = Job(
-        ONE + BY_FILTER % list(Filter).index(Filter.LINEAR),
+        HEAD + BY_FILTER % list(Filter).index(Filter.LINEAR),
         {"atlas": atlas} | fields(lookups),
         defines="#define RADTEX_HARDWARE_LINEAR\n",
         hints={"atlas": "filter_linear"},
@@ -128,7 +153,7 @@ def test_levels_agree_with_the_reference(root: Root, renderer: str) -> None:
     paged = page_chain(random_atlas(), LAYOUT, PAGES, LEVELS)
     hints = {"atlas": "filter_nearest_mipmap"}  # without it the Compatibility renderer has level 0 only
     jobs = [
-        Job(ONE + BY_LEVEL, {**fields(lookups, level), "atlas": halves(images)}, ("radtex",), defines, hints)
+        Job(HEAD + BY_LEVEL, {**fields(lookups, level), "atlas": halves(images)}, ("radtex",), defines, hints)
         for images, defines in ((chain, ""), (paged, PAGED))
     ]
     exact = [image.astype(float) for image in halves(chain)]
@@ -145,8 +170,8 @@ def test_rays_find_what_the_reference_does(root: Root, renderer: str) -> None:
     atlas, lookups = random_atlas(), random_lookups()
     paged = page_chain(atlas, LAYOUT, PAGES, 1)[0].astype(np.float16)
     jobs = [
-        Job(ONE + BY_RAY, {"atlas": atlas} | fields(lookups)),
-        Job(ONE + BY_RAY, {"atlas": paged} | fields(lookups), defines=PAGED),
+        Job(HEAD + BY_RAY, {"atlas": atlas} | fields(lookups)),
+        Job(HEAD + BY_RAY, {"atlas": paged} | fields(lookups), defines=PAGED),
     ]
     error = relative_error(np.stack(answers(root, renderer, jobs)), hit_answers(atlas, lookups))
     print(f"{renderer} rays: worst error {error.max():.1e}")
@@ -161,11 +186,11 @@ def test_what_the_hardware_does_agrees_with_the_reference(root: Root, renderer: 
     turned, turned_level = uvs_of_quads(axis=False, whole=False)
     jobs = [
         Job(
-            ONE + OF_SLICES,
+            HEAD + OF_SLICES,
             {**fields(lookups), "slices": chain, "uvs": uv},
             hints={"slices": "filter_linear_mipmap, repeat_disable"},
         ),
-        Job(ONE + THE_LEVEL, fields(lookups) | {"uvs": turned}),
+        Job(HEAD + THE_LEVEL, fields(lookups) | {"uvs": turned}),
     ]
     result, found = answers(root, renderer, jobs)
     exact = [values.astype(float) for values in chain]
@@ -174,3 +199,106 @@ def test_what_the_hardware_does_agrees_with_the_reference(root: Root, renderer: 
     print(f"{renderer} slices: worst error {error.max():.1e}, median {np.median(error):.1e}")
     assert error.max() <= WORST
     np.testing.assert_allclose(found[:, 0], np.minimum(turned_level, 3).ravel(), atol=1e-4)
+
+
+LAYERED = """
+vec4 answer(ivec2 here) {
+    vec2 uv = texelFetch(uvs, here, 0).xy;
+    vec3 position = texelFetch(positions, here, 0).xyz;
+    vec3 N = texelFetch(normals, here, 0).xyz, V = texelFetch(viewers, here, 0).xyz;
+#ifdef RADTEX_THROUGH
+    vec3 T = texelFetch(tangents, here, 0).xyz, B = texelFetch(bitangents, here, 0).xyz;
+    return vec4(radtex_layered_through(uv, position, N, V, T, B), 1.0);
+#else
+    return vec4(radtex_layered(uv, position, N, V), 1.0);
+#endif
+}
+"""
+
+
+def layered_jobs(case: Case, cost: Cost) -> list[Job]:
+    """A picture of each material."""
+    defines = "".join(f"#define {name} {value}\n" for name, value in definitions(case.sidecar, cost).items())
+    includes = ("radtex_layered", *(["radtex_layered_through"] if case.through else []))
+    textures: dict[str, Image] = {
+        f"radtex_{layer}_map": _levels(case.textures[layer]) for layer in layers_read(case.sidecar, cost)
+    }
+    textures |= {name: values.reshape(SIDE, SIDE, -1) for name, values in case.fields.items()}
+    values = bake_values(case.sidecar, case.stored, cost)
+    return [
+        Job(
+            LAYERED,
+            textures,
+            includes,
+            defines,
+            values=values | material_values(case.sidecar, number, cost),
+            declared="radtex_",
+        )
+        for number in range(len(case.sidecar.materials))
+    ]
+
+
+def _levels(levels: list[Floats]) -> Image:
+    return levels if len(levels) > 1 else levels[0]
+
+
+@pytest.mark.parametrize("renderer", RENDERERS)
+def test_the_layered_layout_agrees_with_the_reference(root: Root, renderer: str) -> None:
+    names = ["everything", "everything, in ranges", "made up", "things alone", "clear", "bare", "matt"]
+    asked = {name: layered_jobs(case_of(name), FULL) for name in names}
+    drawn = iter(answers(root, renderer, [job for some in asked.values() for job in some]))
+    for name, some in asked.items():
+        by_material = [next(drawn) for _ in some]
+        case = case_of(name)
+        assert_agrees(f"{renderer}, {name}", case.by_material(by_material.__getitem__), case)
+
+
+LAYERS = "#define RADTEX_SHADOW_LAYERS\n"
+SHADOW = """
+#ifdef RADTEX_SHADOW_LAYERS
+#define HERE words, here
+#else
+#define HERE here
+#endif
+vec4 answer(ivec2 here_) {
+    vec4 normal = texelFetch(normals, here_, 0);
+    vec3 tangent = texelFetch(tangents, here_, 0).xyz, light = texelFetch(viewers, here_, 0).xyz;
+    mat3 frame = radtex_frame(normal.xyz, tangent, normal.w);
+    RadtexShadow here = radtex_shadow(words, ivec2(%d, %d), texelFetch(uvs, here_, 0).xy);
+    return vec4(%s);
+}
+"""
+CALLS = {
+    ONE: "radtex_visible(HERE, {n}, normalize(light) * frame)",
+    SUN: f"radtex_sun(HERE, {{n}}, frame, light, {ANGLE}, {POINTS})",
+    RECTANGLE: f"radtex_rectangle(HERE, {{n}}, frame, light, vec3{CORNER}, vec3{ACROSS}, vec3{UP}, {POINTS})",
+}
+CASES = [*product((ONE, SUN, RECTANGLE), ((5, False), (8, False), (12, True)))]
+
+
+def stored_words(words: Words, *, layered: bool) -> Floats:
+    """Words (H, W, w) as Godot has them: pixels of a word's bytes over 255, (H, 1 or 2 W, 4), or layers."""
+    height, width, count = words.shape
+    if count == 1:
+        pixels = words[None]
+    else:
+        pairs = np.pad(words, ((0, 0), (0, 0), (0, count % 2))).reshape(height, width, -1, 2)
+        pixels = pairs.transpose(2, 0, 1, 3)
+    whole = np.ascontiguousarray(pixels, dtype="<u4").view(np.uint8).reshape(len(pixels), height, -1, 4)
+    images: Floats = (whole / np.float32(255)).astype(np.float32)
+    return images if layered else images[0]
+
+
+@pytest.mark.parametrize("renderer", RENDERERS)
+def test_shadows_agree_with_the_reference(root: Root, renderer: str) -> None:
+    lookups, jobs = random_lookups(), []
+    for mode, (cells, layered) in CASES:
+        layout = AtlasLayout(13, 7, cells)
+        code = SHADOW % (layout.width, layout.height, CALLS[mode].format(n=cells))
+        textures = {"words": stored_words(random_words(layout), layered=layered), **fields(lookups)}
+        includes = ("radtex", "radtex_shadow")
+        jobs.append(Job(code, textures, includes, LAYERS * layered, {"words": "filter_nearest"}))
+    for (mode, (cells, layered)), result in zip(CASES, answers(root, renderer, jobs), strict=True):
+        layout = AtlasLayout(13, 7, cells)
+        wanted = expected(random_words(layout), layout, lookups, mode, layered)
+        check(result[:, 0], wanted, mode, layered, f"{renderer}, {cells} cells")

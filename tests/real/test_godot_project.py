@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The exported project in a real Godot against the reference sampler's pictures.
+"""The exported project in a real Godot against the reference sampler's pictures, its mirror against Cycles'.
 
 With RADTEX_FIGURES=docs/figures the pictures are kept: reference, Compatibility, Forward+, Mobile.
 """
@@ -18,18 +18,31 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
+from scipy.ndimage import binary_dilation
 
+from radtex_addon.bake.progress import finished
+from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.errors import InputError
+from radtex_addon.core.fragments import Fragments
 from radtex_addon.core.sampler import Filter, sample
 from radtex_addon.export.exporting import export_steps
-from radtex_addon.formats.containers.ktx2 import read_ktx2
-from radtex_addon.formats.containers.texture import decode_texture
+from radtex_addon.export.exporting_scene import export_scene_steps
+from radtex_addon.export.gltf import extension_in
+from radtex_addon.formats.containers.glb import Glb
+from radtex_addon.formats.containers.ktx2 import read_ktx2, write_ktx2
+from radtex_addon.formats.containers.texture import PixelFormat, decode_texture, encode_texture
+from radtex_addon.forms.layered.lookup.atlas import sample_layered
+from radtex_addon.forms.layered.shader_values import FULL, shader_facts
 from radtex_addon.report.metrics import Picture, display
+from radtex_addon.textures.entry import Arranged, Container, TextureEntry
 from radtex_addon.textures.export_spec import Arrangement, ExportSpec, Target, TextureFormat
-from tests.real.exhibit import CAMERAS, Bake, Exhibit, Form, decibels
+from tests.layered_lookups import Case, case_of
+from tests.real import mirror_scene
+from tests.real.exhibit import CAMERAS, Bake, Camera, Exhibit, Form, decibels
 from tests.real.godot import (
     ALL_RENDERERS,
+    RENDERERS,
     Placed,
     Shot,
     imported,
@@ -38,9 +51,11 @@ from tests.real.godot import (
     placed,
     run_godot,
 )
+from tests.real.mirror_scene import PLACES, RADIUS, SKY, Stage, keep_row
 from tests.real.root import Root, screen
 
 LEAST = 38.0  # dB
+LEAST_MADE_UP, MATERIAL = 48.0, 1
 MODES = {kind: mode for mode, kind in enumerate(Filter)}
 FRONT = CAMERAS[0]
 DEFAULT = ExportSpec(Target.GODOT)
@@ -199,6 +214,113 @@ def test_what_godot_does_not_load_is_refused(exhibit: Exhibit, tmp_path: Path) -
     with pytest.raises(InputError, match="choose DDS RGBA16F"):
         project(exhibit.plain, tmp_path, spec)
     assert not any(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("form", Form)
+def test_an_object_in_a_scene_looks_as_the_reference(
+    form: Form, exhibit: Exhibit, room: list[Path], root: Root, tmp_path: Path
+) -> None:
+    bake: Bake = getattr(exhibit, form)
+    sidecars = [room[-3], bake.sidecar, *room[-2:]]
+    made = finished(export_scene_steps(sidecars, ExportSpec(Target.GODOT), "Room", tmp_path / "project"))
+    project = placed(root, made.folder)
+    parameters = {"filtering": 2.0} if form is Form.PLAIN else {}
+    shots = [Shot(camera, parameters) for camera in CAMERAS]
+    for shot, picture in zip(shots, project.pictures("Compatibility", shots), strict=True):
+        found = decibels(picture, bake.picture(shot.camera), bake.eroded(shot.camera))
+        print(f"{form}, {shot.camera.name}: {found:.1f} dB")
+        assert found > LEAST
+        beside = picture[~binary_dilation(bake.inside(shot.camera), iterations=2)]
+        assert (beside.max() > 0.1) == (shot.camera.name == "left"), "behind the head are the trees, once"
+
+
+@pytest.mark.parametrize("form", Form)
+def test_the_ball_shows_what_cycles_shows(
+    form: Form, stages: dict[Form, Stage], root: Root, tmp_path: Path
+) -> None:
+    stage = stages[form]
+    spec = ExportSpec(Target.GODOT, mirror=True, sky=SKY)
+    deque(export_steps(stage.bake.sidecar, spec, tmp_path / "project"), maxlen=0)
+    project = placed(root, tmp_path / "project")
+    shots = [Shot(mirror_scene.CAMERA, mirror=(*place, RADIUS)) for place in PLACES]
+    shots.append(Shot(mirror_scene.CAMERA, turn=70, mirror=(*PLACES[0], RADIUS)))
+    for renderer in ALL_RENDERERS:
+        taken = project.pictures(renderer, shots)
+        keep_row(f"mirror-godot-{form}-{renderer}", [*stage.pictures], taken[: len(PLACES)])
+        for number, picture in enumerate(taken):
+            which = number % len(PLACES)
+            found = decibels(picture, stage.reference(which), stage.inside[which])
+            print(
+                f"{renderer} {form}, ball at {PLACES[which]}, turned by {shots[number].turn}: {found:.1f} dB"
+            )
+            assert found >= mirror_scene.LEAST
+            other = (which + 1) % len(PLACES)
+            assert decibels(picture, stage.reference(other), stage.inside[which]) < mirror_scene.LEAST
+
+
+# A made-up bake in the layered layout, on the exhibit's head, so that wrong places are seen.
+def texture(layer: str, levels: list[Floats], folder: Path) -> TextureEntry:
+    """Write a layer's texture; its entry.
+
+    Godot wants all mip levels or none: those after the last are never seen.
+    """
+    filled, levels = [], list(levels)
+    while len(levels) > 1 and len(levels[-1]) > 1:
+        levels.append(levels[-1][::2, ::2])
+    for level in levels:
+        four = np.ones((1, *level.shape[:2], 4), np.float32)
+        four[0, ..., : level.shape[2]] = level
+        filled.append(four)
+    name = f"Head.{layer}.ktx2"
+    write_ktx2(folder / name, encode_texture(filled, PixelFormat.RGBA16F), zstd=False, premultiplied=False)
+    size = (levels[0].shape[1], levels[0].shape[0])
+    kind, arranged = PixelFormat.RGBA16F, Arranged.IMAGE
+    return TextureEntry(
+        name, Container.KTX2, kind, False, arranged, size, 1, size, size, len(levels), (1, 1), size
+    )
+
+
+def made_up_project(bake: Bake, case: Case, folder: Path) -> Path:
+    """The exhibit's plain bake, exported; what its .glb says of the bake replaced by a layered one's."""
+    place = folder / "project"
+    deque(export_steps(bake.sidecar, ExportSpec(Target.GODOT), place), maxlen=0)
+    (path,) = place.glob("*.glb")
+    glb = Glb.read(path)
+    (material,) = glb.document["materials"]
+    facts = extension_in(material)
+    facts["shader"] = shader_facts(case.sidecar, case.stored, FULL)
+    entries = {layer: texture(layer, levels, place) for layer, levels in case.textures.items()}
+    facts["textures"] = {layer: entry.facts() for layer, entry in entries.items()}
+    facts["material"] = MATERIAL
+    glb.write(path)
+    return place
+
+
+def made_up_picture(bake: Bake, case: Case, camera: Camera) -> Picture:
+    """What the reference sampler sees, (H, W, 3)."""
+    buffer = bake.buffer(camera)
+    hit = buffer.hit
+    fields = (buffer.uv, buffer.normal, buffer.incoming, buffer.position, buffer.tangent, buffer.bitangent)
+    uv, normal, viewer, position, tangent, bitangent = (field[hit].astype(np.float32) for field in fields)
+    material = np.full(len(uv), MATERIAL)
+    seen = sample_layered(case.atlas, Fragments(uv, normal, viewer, position, material, tangent, bitangent))
+    return buffer.resolve(buffer.spread(seen))
+
+
+@pytest.mark.parametrize("name", ["made up", "opaque, in ranges"])
+def test_godot_shows_a_layered_bake(name: str, exhibit: Exhibit, root: Root, tmp_path: Path) -> None:
+    bake, case = exhibit.plain, case_of(name)
+    place = placed(root, made_up_project(bake, case, tmp_path))
+    shots = [*(Shot(camera) for camera in CAMERAS), Shot(FRONT, turn=70), Shot(FRONT, {"exposure": 0.25})]
+    for renderer in RENDERERS:
+        for shot, picture in zip(shots, place.pictures(renderer, shots), strict=True):
+            wanted = made_up_picture(bake, case, shot.camera) * shot.parameters.get("exposure", 1)
+            found = decibels(picture, wanted, bake.eroded(shot.camera))
+            print(f"{renderer} {name}, {shot.camera.name}, turned by {shot.turn}: {found:.1f} dB")
+            assert found > LEAST_MADE_UP
+    wrong = replace(case.atlas, around=replace(case.atlas.around, middle=case.atlas.around.middle + 0.5))
+    elsewhere = made_up_picture(bake, replace(case, atlas=wrong), FRONT)
+    assert decibels(elsewhere, made_up_picture(bake, case, FRONT), bake.eroded(FRONT)) < LEAST_MADE_UP
 
 
 def _keep(path: Path, taken: list[Picture]) -> None:

@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""shaders/radtex.hlsl, through SPIR-V on a real Vulkan, against the references."""
+"""shaders/*.hlsl, through SPIR-V on a real Vulkan, against the references."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import astuple
 from pathlib import Path
 
@@ -11,8 +12,24 @@ import numpy as np
 import pytest
 
 from radtex_addon.core.arrays import Floats
+from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.pages import fitting_pages
 from radtex_addon.core.sampler import Filter
+from radtex_addon.forms.layered.files.arrangement import CHANNELS
+from radtex_addon.forms.layered.shader_values import (
+    BAKE_BUFFER,
+    DEFAULT,
+    FULL,
+    MATERIAL_BUFFER,
+    THROUGH_BUFFER,
+    Cost,
+    Values,
+    bake_values,
+    buffer_of,
+    definitions,
+    material_values,
+)
+from tests.layered_lookups import Case, assert_agrees, case_of, off
 from tests.lookups import (
     COUNT,
     LAYOUT,
@@ -26,6 +43,20 @@ from tests.lookups import (
 )
 from tests.real.hlsl import COMPILERS, compiled, looked_up
 from tests.real.root import Root
+from tests.real.shadows import (
+    ACROSS,
+    ANGLE,
+    CORNER,
+    ONE,
+    POINTS,
+    RECTANGLE,
+    SUN,
+    UP,
+    check,
+    expected,
+    random_words,
+    stacked,
+)
 from tests.real.test_glsl_derivatives import half_slices, reference, uvs_of_quads
 from tests.real.webgpu import Resource, Sampler, fields, image
 from tests.reference.levels import level_chain, sample_level
@@ -200,3 +231,148 @@ def test_the_example_compiles(root: Root, compiler: str) -> None:
 def test_what_is_wrong_with_a_shader_is_told(root: Root, compiler: str) -> None:
     with pytest.raises(ValueError, match="radtex_bukcet"):
         looked_up(root, compiler, LEVEL.replace("radtex_level", "radtex_bukcet"), {}, SIDE)
+
+
+TEXTURES = (  # in the order of the registers
+    *("colour", "irradiance", "tint", "normal", "width", "alpha", "own", "rest"),
+    *("world", "plane", "things", "distances"),
+    *("exit_direction", "exit_place", "through_colour", "through_rest"),
+)
+LAYERED = """
+#define RADTEX_TEXTURE(k) : register(t##k)
+#define RADTEX_BUFFER(k) : register(b##k)
+SamplerState filtering : register(s0);
+#define RADTEX_SAMPLER filtering
+#include "%s.hlsl"
+Texture2DArray fields : register(t16);
+float4 main(float4 at : SV_Position) : SV_Target {
+    int2 here = int2(at.xy);
+    float2 uv = fields.Load(int4(here, 0, 0)).xy;
+    float3 position = fields.Load(int4(here, 1, 0)).xyz;
+    float3 N = fields.Load(int4(here, 2, 0)).xyz, V = fields.Load(int4(here, 3, 0)).xyz;
+#ifdef RADTEX_THROUGH
+    float3 T = fields.Load(int4(here, 4, 0)).xyz, B = fields.Load(int4(here, 5, 0)).xyz;
+    return float4(radtex_layered_through(uv, position, N, V, T, B), 1.0);
+#else
+    return float4(radtex_layered(uv, position, N, V), 1.0);
+#endif
+}
+"""
+
+
+def run_layered(root: Root, compiler: str, defines: str, case: Case, cost: Cost) -> Floats:
+    """The shader's answers, (N, 3) float32."""
+    assert set(TEXTURES) == set(CHANNELS)
+    for name, value in definitions(case.sidecar, cost).items():
+        defines += f"#define {name} {value}\n"
+    source = defines + LAYERED % ("radtex_layered_through" if case.through else "radtex_layered")
+    values = bake_values(case.sidecar, case.stored, cost)
+    resources: dict[str, Resource] = {
+        "s0": Sampler("linear"),
+        "b0": packed(values, BAKE_BUFFER),
+        "b2": packed(values, THROUGH_BUFFER),
+        "t16": fields(SIDE, *case.fields.values()),
+    }
+    for k, layer in enumerate(TEXTURES):
+        if layer in case.textures:
+            levels = case.textures[layer]
+            resources[f"t{k}"] = image(*(level[::-1] if TOP_DOWN in defines else level for level in levels))
+
+    def with_material(number: int) -> Floats:
+        of_material = packed(material_values(case.sidecar, number, cost), MATERIAL_BUFFER)
+        return looked_up(root, compiler, source, resources | {"b1": of_material}, SIDE)
+
+    return case.by_material(with_material)
+
+
+def packed(values: Values, layout: Mapping[str, int]) -> Floats:
+    return np.array(buffer_of(values, layout), dtype=np.float32)
+
+
+@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize(
+    ("name", "defines"),
+    [("everything, in ranges", TOP_DOWN), ("made up", ""), ("bare", ""), ("matt", "")],
+)
+def test_the_layered_layout_agrees_with_the_reference(
+    root: Root, compiler: str, name: str, defines: str
+) -> None:
+    case = case_of(name)
+    assert_agrees(f"{compiler}, {name}", run_layered(root, compiler, defines, case, FULL), case)
+
+
+def test_thrift_changes_little_of_the_layered_layout(root: Root) -> None:
+    case = case_of("everything")
+    wrong = off(run_layered(root, "glslang", "", case, DEFAULT), case.answers())
+    print(f"as it is by default: mean error {wrong.mean():.1e}")
+    assert wrong.mean() < 0.01
+
+
+def test_the_compiler_chooses_registers_in_any_stage(root: Root) -> None:
+    defines = "".join(
+        f"#define {name} {value}\n" for name, value in definitions(case_of("made up").sidecar).items()
+    )
+    code = """#define RADTEX_NO_DERIVATIVES
+#include "radtex_layered.hlsl"
+float4 main(float4 at : POSITION) : SV_Position {
+    float3 N = float3(0.0, 0.0, 1.0);
+    return float4(radtex_layered(at.xy, at.xyz, N, normalize(at.xyz)), radtex_alpha(at.xy));
+}
+"""
+    compiled(root, "vkd3d", defines + code, "vertex")
+
+
+SHADOW_LAYERS = "#define RADTEX_SHADOW_LAYERS\n"
+SHADOW = """
+#include "radtex.hlsl"
+#include "radtex_shadow.hlsl"
+RADTEX_BITS bits : register(t0);
+Texture2DArray fields : register(t1);
+cbuffer Facts : register(b0) { float4 corner, across, up; int4 facts; };
+float4 main(float4 at : SV_Position) : SV_Target {
+    int2 pixel = int2(at.xy);
+    float4 place = fields.Load(int4(pixel, 0, 0)), normal = fields.Load(int4(pixel, 1, 0));
+    float3 tangent = fields.Load(int4(pixel, 2, 0)).xyz, light = fields.Load(int4(pixel, 3, 0)).xyz;
+    float3x3 frame = radtex_frame(normal.xyz, tangent, normal.w);
+    RadtexShadow here = radtex_shadow(bits, facts.xy, place.xy);
+    int n = facts.z, count = int(up.w), mode = int(place.z);
+    float value;
+    if (mode == 0) value = radtex_visible(RADTEX_HERE, n, mul(frame, normalize(light)));
+    else if (mode == 1) value = radtex_sun(RADTEX_HERE, n, frame, light, corner.w, count);
+    else value = radtex_rectangle(RADTEX_HERE, n, frame, light, corner.xyz, across.xyz, up.xyz, count);
+    return float4(value, value, value, value);
+}
+"""
+
+
+@pytest.mark.parametrize(
+    ("cells", "defines"),
+    [
+        (5, ""),
+        (8, ""),
+        (8, TOP_DOWN),
+        (8, SHADOW_LAYERS),
+        (12, SHADOW_LAYERS),
+        (12, SHADOW_LAYERS + TOP_DOWN),
+    ],
+)
+@pytest.mark.parametrize("compiler", COMPILERS)
+def test_shadows_agree_with_the_reference(root: Root, compiler: str, cells: int, defines: str) -> None:
+    layout, lookups = AtlasLayout(13, 7, cells), random_lookups()
+    words = random_words(layout)
+    bits = stacked(words)[:, ::-1] if TOP_DOWN in defines else stacked(words)
+    modes = (ONE, SUN, RECTANGLE, ONE)  # a picture of four squares
+    facts = np.array([*CORNER, ANGLE, *ACROSS, 0, *UP, POINTS], np.float32).tobytes()
+    facts += np.array([layout.width, layout.height, cells, 0], np.int32).tobytes()
+    places = np.concatenate([np.tile(lookups.uv, (4, 1)), np.repeat(modes, COUNT)[:, None]], axis=1)
+    normals = np.concatenate([lookups.normal, lookups.sign[:, None]], axis=1)
+    vectors = [np.tile(values, (4, 1)) for values in (normals, lookups.tangent, lookups.viewer)]
+    resources: dict[str, Resource] = {
+        "t0": image(bits if SHADOW_LAYERS in defines else bits[0]),
+        "t1": fields(2 * SIDE, places, *vectors),
+        "b0": np.frombuffer(facts, np.uint8),
+    }
+    answers = np.split(looked_up(root, compiler, defines + SHADOW, resources, 2 * SIDE)[:, 0], 4)
+    for mode, found in zip(modes[:3], answers, strict=False):
+        wanted = expected(words, layout, lookups, mode, SHADOW_LAYERS in defines)
+        check(found, wanted, mode, SHADOW_LAYERS in defines, f"{compiler}, {cells} cells, {defines!r}")

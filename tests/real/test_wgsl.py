@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""shaders/radtex.wgsl and radtex_pages.wgsl by wgpu, on a real Vulkan, against the reference samplers."""
+"""shaders/*.wgsl by wgpu, on a real Vulkan, against the reference samplers."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import astuple, replace
 from pathlib import Path
 
@@ -17,6 +18,21 @@ from radtex_addon.core.levels import padded_layout
 from radtex_addon.core.pages import Pages, fitting_pages
 from radtex_addon.core.sampler import Filter, sample
 from radtex_addon.core.slices import to_slices
+from radtex_addon.forms.layered.files.arrangement import CHANNELS
+from radtex_addon.forms.layered.shader_values import (
+    BAKE_BUFFER,
+    DEFAULT,
+    FULL,
+    MATERIAL_BUFFER,
+    THROUGH_BUFFER,
+    Cost,
+    Values,
+    bake_values,
+    buffer_of,
+    definitions,
+    material_values,
+)
+from tests.layered_lookups import Case, assert_agrees, case_of, off
 from tests.lookups import (
     COUNT,
     LAYOUT,
@@ -30,6 +46,20 @@ from tests.lookups import (
     worst_error,
 )
 from tests.real.root import Root
+from tests.real.shadows import (
+    ACROSS,
+    ANGLE,
+    CORNER,
+    ONE,
+    POINTS,
+    RECTANGLE,
+    SUN,
+    UP,
+    check,
+    expected,
+    random_words,
+    stacked,
+)
 from tests.real.webgpu import Resource, Sampler, Texture, drawn, fields, image
 from tests.reference.levels import level_chain, sample_level
 from tests.reference.pages import split_pages
@@ -281,3 +311,111 @@ def in_quads(across: Floats, up: Floats, rng: np.random.Generator) -> Lookups:
     step = of_quads(across) * (x % 2)[:, None] + of_quads(up) * (y % 2)[:, None]
     uv = of_quads(rng.uniform(0, 1, (QUADS, 2))) + step / [LAYOUT.width, LAYOUT.height]
     return replace(random_lookups(), uv=uv.astype(np.float32))
+
+
+FOLDER = Path(__file__).parents[2] / "shaders"
+LAYERED = """
+@group(0) @binding(20) var fields: texture_2d_array<f32>;
+@fragment fn main(@builtin(position) at: vec4f) -> @location(0) vec4f {
+    let here = vec2i(at.xy);
+    let uv = textureLoad(fields, here, 0, 0).xy;
+    let position = textureLoad(fields, here, 1, 0).xyz;
+    let N = textureLoad(fields, here, 2, 0).xyz;
+    let V = textureLoad(fields, here, 3, 0).xyz;
+    let T = textureLoad(fields, here, 4, 0).xyz;
+    let B = textureLoad(fields, here, 5, 0).xyz;
+    return vec4f(%s, 1.0);
+}
+"""
+LOOKUP, THROUGH = (
+    "radtex_layered(uv, position, N, V)",
+    "radtex_layered_through(uv, position, N, V, T, B)",
+)
+
+
+def run_layered(root: Root, case: Case, cost: Cost) -> Floats:
+    """The shader's answers, (N, 3) float32."""
+    names = ["radtex_layered", *(["radtex_layered_through"] if case.through else [])]
+    code = "".join((FOLDER / f"{name}.wgsl").read_text(encoding="utf-8") for name in names)
+    code = code.replace("@group(1)", "@group(0)") + LAYERED % (THROUGH if case.through else LOOKUP)
+    constants = {name: float(value) for name, value in definitions(case.sidecar, cost).items()}
+    constants.pop("RADTEX_THROUGH", None)
+    values = bake_values(case.sidecar, case.stored, cost)
+    resources: dict[int | str, Resource] = {
+        "radtex": packed(values, BAKE_BUFFER),
+        "radtex_filtering": Sampler("linear"),
+        "fields": fields(SIDE, *case.fields.values()),
+    }
+    if case.through:
+        resources["radtex_exit"] = packed(values, THROUGH_BUFFER)
+    lacking = image(np.zeros((1, 1, 4), np.float16))
+    for layer in CHANNELS:
+        if f"radtex_{layer}_map" in code:
+            levels = case.textures.get(layer)
+            resources[f"radtex_{layer}_map"] = lacking if levels is None else image(*levels)
+
+    def with_material(number: int) -> Floats:
+        of_material = packed(material_values(case.sidecar, number, cost), MATERIAL_BUFFER)
+        return drawn(root, code, resources | {"radtex_of": of_material}, SIDE, constants=constants)
+
+    return case.by_material(with_material)
+
+
+def packed(values: Values, layout: Mapping[str, int]) -> Floats:
+    return np.array(buffer_of(values, layout), dtype=np.float32)
+
+
+@pytest.mark.parametrize(
+    "name", ["everything", "everything, in ranges", "made up", "things alone", "clear", "bare", "matt"]
+)
+def test_the_layered_layout_agrees_with_the_reference(root: Root, name: str) -> None:
+    case = case_of(name)
+    assert_agrees(name, run_layered(root, case, FULL), case)
+
+
+def test_thrift_changes_little_of_the_layered_layout(root: Root) -> None:
+    case = case_of("everything")
+    wrong = off(run_layered(root, case, DEFAULT), case.answers())
+    print(f"as it is by default: mean error {wrong.mean():.1e}")
+    assert wrong.mean() < 0.01
+
+
+FOLDER = Path(__file__).parents[2] / "shaders"
+SHADOW = """
+struct Settings { corner: vec4f, across: vec4f, up: vec4f, texels: vec2i, n: i32, mode: i32 }
+@group(0) @binding(0) var<uniform> s: Settings;
+@group(0) @binding(1) var fields: texture_2d_array<f32>;
+@group(0) @binding(2) var bits: texture_2d_array<u32>;
+@fragment fn main(@builtin(position) at: vec4f) -> @location(0) vec4f {
+    let pixel = vec2i(at.xy);
+    let normal = textureLoad(fields, pixel, 1, 0);
+    let light = textureLoad(fields, pixel, 3, 0).xyz;
+    let frame = radtex_frame(normal.xyz, textureLoad(fields, pixel, 2, 0).xyz, normal.w);
+    let here = radtex_shadow(bits, s.texels, textureLoad(fields, pixel, 0, 0).xy);
+    if s.mode == 0 { return vec4f(radtex_visible(bits, here, s.n, normalize(light) * frame)); }
+    if s.mode == 1 { return vec4f(radtex_sun(bits, here, s.n, frame, light, s.corner.w, i32(s.up.w))); }
+    let side = s.across.xyz;
+    return vec4f(radtex_rectangle(bits, here, s.n, frame, light, s.corner.xyz, side, s.up.xyz, i32(s.up.w)));
+}
+"""
+
+
+@pytest.mark.parametrize("mode", [ONE, SUN, RECTANGLE])
+@pytest.mark.parametrize("cells", [5, 8, 12])
+def test_shadows_agree_with_the_reference(root: Root, cells: int, mode: int) -> None:
+    layout, lookups = AtlasLayout(13, 7, cells), random_lookups()
+    words = random_words(layout)
+    settings = np.array([*CORNER, ANGLE, *ACROSS, 0, *UP, POINTS], np.float32).tobytes()
+    settings += np.array([layout.width, layout.height, cells, mode], np.int32).tobytes()
+    normals = np.concatenate([lookups.normal, lookups.sign[:, None]], axis=1)
+    resources: dict[int | str, Resource] = {
+        "s": np.frombuffer(settings, np.uint8),
+        "fields": fields(SIDE, lookups.uv, normals, lookups.tangent, lookups.viewer),
+        "bits": image(stacked(words)),
+    }
+    code = "".join(
+        FOLDER.joinpath(f"{name}.wgsl").read_text(encoding="utf-8") for name in ("radtex", "radtex_shadow")
+    )
+    found = drawn(root, code + SHADOW, resources, SIDE)[:, 0]
+    wanted = expected(words, layout, lookups, mode, cells > 8)
+    check(found, wanted, mode, cells > 8, f"WGSL, {cells} cells")
