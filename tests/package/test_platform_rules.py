@@ -24,7 +24,7 @@ ROOT = Path(__file__).resolve().parents[2]
 MANIFEST = tomllib.loads((ROOT / "blender_manifest.toml").read_text(encoding="utf-8"))
 # Who changes where Python looks for modules, and why that is not the extension's own folder.
 CHANGES_PATH = {
-    "bake.py",  # in a clone alone: test_installed_batch.py
+    "bake.py",  # in a clone alone: test_install.py
     "radtex_addon/preview/osl.py",  # Blender's own packages, while a shader is compiled
     "radtex_addon/scene/uv/xatlas_worker.py",  # a process of its own, which gets its parent's path
     "radtex_addon/worker/order.py",  # the same, for a Blender that is started with factory settings

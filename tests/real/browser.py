@@ -33,16 +33,17 @@ _FLAGS = (
 )
 SOFTWARE_GL = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist")
 # Tells how many callbacks wait for the next frame: a page of ours draws in those alone.
-_COUNT_FRAMES = """
-    const asked = window.requestAnimationFrame.bind(window);
+_COUNT_FRAMES = """{
+    const real = window.requestAnimationFrame.bind(window);
     window.awaitedFrames = 0;
     window.requestAnimationFrame = (drawn) => {
         window.awaitedFrames++;
-        return asked((now) => {
+        return real((now) => {
             window.awaitedFrames--;
             drawn(now);
         });
     };
+}
 """
 _START = 60.0  # seconds that Chromium may take
 PATIENCE = 120_000  # milliseconds: without a GPU, and beside other tests, a frame may take seconds

@@ -33,6 +33,7 @@ from tests.real.godot import ALL_RENDERERS, MOBILE, Placed, Shot, filled, pictur
 from tests.real.kinds import KindBake, Sun
 from tests.real.root import Root
 from tests.real.test_godot_project import flat_picture, picture_of_file
+from tests.real.web import build_page
 
 FRONT = CAMERAS[0]
 LEAST = 38.0  # dB
@@ -63,6 +64,8 @@ LIGHTS = (Sun(-40, 45, strength=3), Sun(180, 10, strength=5, colour="#ffc080"), 
 
 
 def exported(sidecar: Path, spec: ExportSpec, folder: Path) -> Path:
+    if spec.target is Target.WEB:
+        build_page()
     deque(export_steps(sidecar, spec, folder / "export"), maxlen=0)
     return folder / "export"
 

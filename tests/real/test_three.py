@@ -22,8 +22,7 @@ from radtex_addon.report.metrics import Picture
 from tests.real.browser import Shown, decoded
 from tests.real.exhibit import CAMERAS, Camera, Exhibit, decibels
 from tests.real.root import REPOSITORY
-from tests.real.test_web_blocks import NO_BLOCKS
-from tests.real.web import SOURCES, Site, aces, encoded, node
+from tests.real.web import NO_BLOCKS, SOURCES, Site, aces, encoded, node
 
 INSIDE = REPOSITORY / "tests/real/inside"
 GUIDE = REPOSITORY / "docs/three.md"

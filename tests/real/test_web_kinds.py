@@ -11,11 +11,16 @@ from dataclasses import asdict
 import numpy as np
 import pytest
 
+from radtex_addon.bake.layers import Layer
 from radtex_addon.bake.spec import Kind, View
+from radtex_addon.core.atlas import AtlasLayout
+from radtex_addon.core.sampler import Filter, sample
+from radtex_addon.formats.bucket_files import read_layer
+from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.report.metrics import Picture
 from tests.real.browser import Shown, decoded
 from tests.real.exhibit import CAMERAS, Camera, decibels
-from tests.real.kinds import KindBake, Sun
+from tests.real.kinds import LAYERS, KindBake, Sun
 from tests.real.test_web_messages import within
 from tests.real.web import Site, save
 
@@ -76,9 +81,41 @@ def check_inspector(shown: Shown, made: KindBake) -> None:
     shown.page.keyboard.press("Escape")
 
 
-def test_a_proxy_shows_what_is_in_it(web: Site, kind_bake: Bakes) -> None:
+def layer_light(made: KindBake, layer: Layer) -> Picture:
+    """The light (H, W, 3) of a layer as the reference looks it up; of the base with buckets of one cell."""
+    facts, buffer = read_sidecar(made.sidecar), made.buffer(FRONT)
+    layout = AtlasLayout(facts.width, facts.height, 1 if layer == Layer.BASE else facts.bucket)
+    uv, incidence = buffer.uv[buffer.hit], buffer.incidence[buffer.hit]
+    pixels = read_layer(made.sidecar, layer).astype(np.float32)
+    light = buffer.spread(sample(pixels, layout, uv, incidence, Filter.QUADRILINEAR))
+    return light.reshape(FRONT.pixels, FRONT.pixels, 3)
+
+
+def check_layers(shown: Shown, made: KindBake) -> None:
+    """One by one, and base and rest together, which are the whole."""
+    mask, whole, names = made.eroded(FRONT), made.seen(FRONT), ["whole", *LAYERS, "sum"]
+    assert shown.page.evaluate("radtex.layers()") == names
+    shown.set_camera(FRONT)
+    parts: dict[str, Picture] = {layer: layer_light(made, layer) for layer in LAYERS}
+    parts |= {"whole": whole[..., :3], "sum": parts["base"] + parts["rest"]}
+    for name, words in zip(names, ("Whole", "Base", "Rest", "Glossy", "Base + Rest"), strict=True):
+        shown.page.get_by_role("button", name=words, exact=True).click()
+        seen = shown.pixels().astype(np.float64)
+        found = decibels(seen[..., :3], parts[name], mask)
+        print(f"{name}: {found:.1f} dB")
+        assert found >= LEAST
+        assert decibels(seen[..., 3:], whole[..., 3:], mask) >= LEAST, "other alpha than the whole's"
+    assert decibels(parts["sum"], whole[..., :3], mask) >= 60
+    flat = shown.pixels(flat=True)[mask]
+    assert 0.02 < flat[:, 3].min() < flat[:, 3].max() < 0.5, "a hull's flat lightmap hides what is behind"
+    refusal = shown.page.evaluate("() => { try { radtex.setLayer('haze') } catch (e) { return e.message } }")
+    assert refusal == "no layer haze: there are whole, base, rest, glossy, sum"
+    shown.page.get_by_role("button", name="Whole", exact=True).click()
+
+
+def test_a_proxy_shows_what_is_in_it_and_its_layers(web: Site, kind_bake: Bakes) -> None:
     made = kind_bake(Kind.PROXY)
-    web.add("proxy", made)
+    web.add("proxy", made, layers=LAYERS)
     with web.opened("proxy/") as shown:
         shown.wait().page.get_by_role("button", name="Quadrilinear").click()
         for camera in CAMERAS:
@@ -95,6 +132,7 @@ def test_a_proxy_shows_what_is_in_it(web: Site, kind_bake: Bakes) -> None:
             background = screen[empty].max(axis=1)  # a hair's light may bleed by a texel
             assert np.quantile(background, 0.99) < 0.2, "no background is seen through the hull"
             assert background.max() < 0.35, "what is in the hull bleeds into the background"
+        check_layers(shown, made)
         check_inspector(shown, made)
 
 

@@ -31,6 +31,19 @@ UV = os.environ.get("UV") or shutil.which("uv") or "uv"
 FIGURES = os.environ.get("RADTEX_FIGURES")  # a folder for screenshots of the page, docs/figures for one
 
 
+# A device that knows no blocks.
+NO_BLOCKS = """
+    const asked = WebGL2RenderingContext.prototype.getExtension;
+    WebGL2RenderingContext.prototype.getExtension = function (name) {
+        return /bptc|rgtc|s3tc/.test(name) ? null : asked.call(this, name);
+    };
+    const upload = WebGL2RenderingContext.prototype.compressedTexSubImage2D;
+    WebGL2RenderingContext.prototype.compressedTexSubImage2D = function () {
+        throw new Error("this device knows no blocks");
+    };
+"""
+
+
 @dataclass(frozen=True)
 class Site:
     """Exports below `folder`, which is served at `address`, in tabs of `browser`."""
