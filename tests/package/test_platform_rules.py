@@ -11,7 +11,7 @@ import shutil
 import subprocess
 import sys
 import tomllib
-from collections.abc import Iterator
+from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 from zipfile import ZipFile
@@ -42,45 +42,51 @@ CLIENTS = re.compile(
 )
 
 
-def shipped() -> Iterator[tuple[str, str]]:
-    """The Python files of the zip, by name, with their text."""
-    for path in (ROOT / "bake.py", ROOT / "__init__.py", *(ROOT / "radtex_addon").rglob("*.py")):
-        yield path.relative_to(ROOT).as_posix(), path.read_text(encoding="utf-8")
+@dataclass(frozen=True)
+class Shipped:
+    """A Python file of the zip."""
+
+    name: str
+    text: str
+    nodes: list[ast.AST]
+
+    @property
+    def imported(self) -> set[str]:
+        names = {alias.name for node in self.nodes if isinstance(node, ast.Import) for alias in node.names}
+        absolute = (node for node in self.nodes if isinstance(node, ast.ImportFrom) and not node.level)
+        return names | {node.module for node in absolute if node.module}
 
 
-def imported(text: str) -> set[str]:
-    nodes = list(ast.walk(ast.parse(text)))
-    names = {alias.name for node in nodes if isinstance(node, ast.Import) for alias in node.names}
-    return names | {
-        node.module for node in nodes if isinstance(node, ast.ImportFrom) and node.module and not node.level
-    }
+@pytest.fixture(scope="module")
+def shipped() -> list[Shipped]:
+    paths = (ROOT / "bake.py", ROOT / "__init__.py", *(ROOT / "radtex_addon").rglob("*.py"))
+    texts = {path.relative_to(ROOT).as_posix(): path.read_text(encoding="utf-8") for path in paths}
+    return [Shipped(name, text, list(ast.walk(ast.parse(text)))) for name, text in texts.items()]
 
 
-def test_only_these_change_pythons_path() -> None:
+def test_only_these_change_pythons_path(shipped: list[Shipped]) -> None:
     change = re.compile(r"sys\.path(\.(append|insert|extend|remove)\(|\[:\] =| \+=| =)")
-    assert {name for name, text in shipped() if change.search(text)} == CHANGES_PATH
+    assert {file.name for file in shipped if change.search(file.text)} == CHANGES_PATH
 
 
-def test_nothing_reaches_the_internet() -> None:
+def test_nothing_reaches_the_internet(shipped: list[Shipped]) -> None:
     """So the network permission is for a server on this machine, and bpy.app.online_access is not asked."""
-    found = {}
-    for name, text in shipped():
-        used = {module for module in imported(text) if CLIENTS.match(module)} - {"urllib.parse"}
-        if used:
-            found[name] = used
-    assert found == ON_THE_NETWORK
+    used = {
+        file.name: {module for module in file.imported if CLIENTS.match(module)} - {"urllib.parse"}
+        for file in shipped
+    }
+    assert {name: modules for name, modules in used.items() if modules} == ON_THE_NETWORK
     server = (ROOT / "radtex_addon/export/page_server.py").read_text(encoding="utf-8")
     assert re.findall(r'^HERE = "(.*)"', server, re.MULTILINE) == ["127.0.0.1"]
     assert set(MANIFEST["permissions"]) == {"clipboard", "files", "network"}
 
 
-def test_no_code_is_made_from_text_or_installed_at_run_time() -> None:
-    for name, text in shipped():
-        calls = [node.func for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Call)]
-        assert not {call.id for call in calls if isinstance(call, ast.Name)} & {"exec", "eval", "compile"}, (
-            name
-        )
-        assert not imported(text) & {"pip", "ensurepip"}, name
+def test_no_code_is_made_from_text_or_installed_at_run_time(shipped: list[Shipped]) -> None:
+    for file in shipped:
+        calls = [node.func for node in file.nodes if isinstance(node, ast.Call)]
+        called = {call.id for call in calls if isinstance(call, ast.Name)}
+        assert not called & {"exec", "eval", "compile"}, file.name
+        assert not file.imported & {"pip", "ensurepip"}, file.name
 
 
 def test_the_listing_promises_what_the_rules_allow() -> None:

@@ -51,7 +51,7 @@ from tests.real.shadows import (
     expected,
     random_words,
 )
-from tests.real.test_glsl_derivatives import uvs_of_quads
+from tests.real.test_glsl import uvs_of_quads
 from tests.reference.levels import level_chain, sample_level
 from tests.reference.pages import page_chain
 from tests.reference.slices import mip_chain, sample_slices

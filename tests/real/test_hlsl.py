@@ -57,7 +57,7 @@ from tests.real.shadows import (
     random_words,
     stacked,
 )
-from tests.real.test_glsl_derivatives import half_slices, reference, uvs_of_quads
+from tests.real.test_glsl import half_slices, of_slices, uvs_of_quads
 from tests.real.webgpu import Resource, Sampler, fields, image
 from tests.reference.levels import level_chain, sample_level
 from tests.reference.pages import page_chain
@@ -203,7 +203,7 @@ def test_slices_agree_with_the_reference(root: Root, compiler: str, defines: str
         "b0": FACTS,
     }
     result = looked_up(root, compiler, defines + SLICES, resources, SIDE)
-    error = relative_error(result, reference(chain, uv, level))
+    error = relative_error(result, of_slices(chain, uv, level))
     print(
         f"{compiler}, slices {defines.strip()}: worst error {error.max():.1e}, median {np.median(error):.1e}"
     )
