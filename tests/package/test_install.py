@@ -89,23 +89,17 @@ def test_blender_takes_every_step_without_an_error(report: dict[str, Any], step:
     assert report[step]["error"] is None
 
 
-def test_before_the_install_the_environment_has_no_wheel_of_ours(report: dict[str, Any]) -> None:
-    assert set(report["before"]["wheels"].values()) == {None}
-    assert not report["before"]["operator"]
-
-
-def test_installing_enables_the_extension_and_its_operator(report: dict[str, Any]) -> None:
-    assert report["enabled"]["addons"] == ["bl_ext.user_default.radtex"]
-    assert report["enabled"]["operator"]
-
-
-def test_the_wheels_are_those_of_the_zip(report: dict[str, Any]) -> None:
-    for path in report["enabled"]["wheels"].values():
+def test_installing_enables_the_extension_and_loads_no_wheel_but_has_those_of_the_zip(
+    report: dict[str, Any],
+) -> None:
+    before, enabled = report["before"], report["enabled"]
+    assert set(before["wheels"].values()) == {None}
+    assert not before["operator"]
+    assert enabled["addons"] == ["bl_ext.user_default.radtex"]
+    assert enabled["operator"]
+    assert enabled["loaded_wheels"] == []
+    for path in enabled["wheels"].values():
         assert Path(path).is_relative_to(report["home"])
-
-
-def test_enabling_loads_no_wheel(report: dict[str, Any]) -> None:
-    assert report["enabled"]["loaded_wheels"] == []
 
 
 def test_the_installed_operator_bakes_with_the_wheels_of_the_zip(report: dict[str, Any]) -> None:
@@ -121,15 +115,14 @@ def test_nothing_is_written_into_the_extensions_folder(report: dict[str, Any]) -
     assert report["enabled_again"]["files"] == report["enabled"]["files"]
 
 
-@pytest.mark.parametrize("step", ["disabled", "removed"])
-def test_disabling_leaves_nothing_registered(report: dict[str, Any], step: str) -> None:
+@pytest.mark.parametrize(
+    ("step", "same"), [("disabled", "before"), ("removed", "before"), ("enabled_again", "enabled")]
+)
+def test_disabling_leaves_nothing_registered_and_it_can_be_enabled_again(
+    report: dict[str, Any], step: str, same: str
+) -> None:
     for what in ("addons", "operator", "types", "properties", "handlers", "key_maps"):
-        assert report[step][what] == report["before"][what], what
-
-
-def test_it_can_be_enabled_again(report: dict[str, Any]) -> None:
-    for what in ("addons", "operator", "types", "properties", "handlers", "key_maps"):
-        assert report["enabled_again"][what] == report["enabled"][what], what
+        assert report[step][what] == report[same][what], what
 
 
 def test_removing_it_leaves_no_module_and_no_file(report: dict[str, Any]) -> None:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What depends on a bake's kind or layout lies in `forms` and in the tables: elsewhere neither is compared.
+"""What depends on a bake's kind or layout lies in `forms` and in the tables, with which all others agree.
 
 python -m tests.package.test_kinds_and_layouts      counts the comparisons, and says where they are
 """
@@ -8,14 +8,18 @@ python -m tests.package.test_kinds_and_layouts      counts the comparisons, and 
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Iterator
 
 import pytest
 
-from radtex_addon.bake.kinds import KINDS, Kind, Layout
+from radtex_addon.bake.kinds import KINDS, Kind, Layout, Light
+from tests.package import support_matrix
 from tests.package.test_layers import PACKAGE
 
 pytestmark = pytest.mark.one_blender
+
+WEB_PAGE = PACKAGE.parent / "shaders/three/src/kinds.ts"
 
 _TABLES = {("bake", "kinds.py"), ("bake", "forms.py")}
 _NAMES = {*map(str, Kind), *map(str, Layout), "sphere"}
@@ -55,6 +59,34 @@ def test_no_kind_or_layout_is_compared() -> None:
 
 def test_every_kind_has_a_row() -> None:
     assert list(KINDS) == list(Kind)
+
+
+def test_the_web_page_has_the_tables_kinds() -> None:
+    text = WEB_PAGE.read_text(encoding="utf-8")
+    (union,) = re.findall(r"export type Kind = ([^;]*);", text)
+    assert re.findall(r'"(\w+)"', union) == [kind for kind, row in KINDS.items() if "web" in row.exports]
+
+
+def test_the_web_page_lights_what_depends_on_lamps() -> None:
+    """Only these kinds have a sun, whose direction is looked up."""
+    text = WEB_PAGE.read_text(encoding="utf-8")
+    lit = re.findall(r'^  (\w+): {[^}]*way: "L"', text, flags=re.MULTILINE)
+    answers = [
+        kind for kind, row in KINDS.items() if row.light is Light.RESPONSE or row.include == "radtex_shadow"
+    ]
+    assert sorted(lit) == sorted(answers)
+
+
+def test_the_page_on_what_goes_with_what_is_what_the_code_refuses() -> None:
+    remedy = "python -m tests.package.support_matrix"
+    assert support_matrix.PAGE.read_text(encoding="utf-8") == support_matrix.page(), remedy
+
+
+def test_no_cell_is_empty_and_no_kind_is_left_out() -> None:
+    rows = [line for line in support_matrix.page().splitlines() if line.startswith("| ")]
+    cells = [cell.strip() for row in rows for cell in row.strip("|").split("|")]
+    assert all(cells)
+    assert {row.split("|")[1].strip().partition(",")[0] for row in rows} >= set(Kind)
 
 
 if __name__ == "__main__":
