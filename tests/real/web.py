@@ -102,8 +102,9 @@ def _packaging_tools() -> Path:
     """The programs of an environment for packaging, by uv.lock, which is there until this process ends."""
     tool = [UV, "run", "--quiet", "--frozen", "--isolated", "--only-group=package", f"--project={REPOSITORY}"]
     code = "import sys, sysconfig; print(sysconfig.get_path('scripts'), flush=True); sys.stdin.read()"
-    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
-    held = subprocess.Popen([*tool, "python", "-c", code], text=True, **pipes)
+    held = subprocess.Popen(
+        [*tool, "python", "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    )
     _HELD.append(held)
     assert held.stdout is not None
     return Path(held.stdout.readline().strip())
