@@ -59,7 +59,7 @@ def test_the_validator_finds_no_error_in_any_export(
     heads = []
     for form in Form:
         bake: Bake = getattr(exhibit, form)
-        made = finished(export_steps(bake.sidecar, ExportSpec(Target.GLTF), tmp_path / form))
+        made = finished(export_steps(bake.sidecar, ExportSpec(Target.GLTF), tmp_path / f"head-{form}"))
         heads += [made.folder / f"{made.name}.glb", next(web.add(form, bake).glob("*.glb"))]
     reports = validated(*files, *heads, spoilt(heads[0], tmp_path))
     told = set().union(*map(codes, reports[: len(files)]))
