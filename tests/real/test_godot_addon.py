@@ -10,7 +10,7 @@ from __future__ import annotations
 import os
 import shutil
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -101,7 +101,8 @@ def test_lights_of_the_scene_cast_baked_shadows(
     shots = [
         Shot(camera, {"sun_angle": sun.size}, sun=sun) for camera, sun in zip(CAMERAS, SUNS, strict=True)
     ]
-    _compare(made, place, [*shots, _by_its_own_sun(SUNS[0])], [*SUNS, SUNS[0]])
+    renderers = tuple(ALL_RENDERERS) if cells == 8 else ("Compatibility", MOBILE)
+    _compare(made, place, [*shots, _by_its_own_sun(SUNS[0])], [*SUNS, SUNS[0]], renderers)
 
 
 def test_lights_of_the_scene_ask_for_transfer(
@@ -120,9 +121,15 @@ def _by_its_own_sun(sun: Sun) -> Shot:
     return Shot(FRONT, {**own, "sun_angle": sun.size}, sun=Sun(0, 45, strength=0))
 
 
-def _compare(made: KindBake, place: Placed, shots: list[Shot], suns: list[Sun]) -> None:
+def _compare(
+    made: KindBake,
+    place: Placed,
+    shots: list[Shot],
+    suns: list[Sun],
+    renderers: Sequence[str] = tuple(ALL_RENDERERS),
+) -> None:
     strip = []
-    for renderer in ALL_RENDERERS:
+    for renderer in renderers:
         taken = place.pictures(renderer, shots)
         strip.append(taken[0])
         for shot, sun, picture in zip(shots, suns, taken, strict=True):
@@ -130,7 +137,8 @@ def _compare(made: KindBake, place: Placed, shots: list[Shot], suns: list[Sun]) 
             found = decibels(picture, wanted, made.eroded(shot.camera))
             print(f"{made.kind}, {renderer}, {shot.camera.name}, {sun}: {found:.1f} dB")
             assert found > LEAST_LIT
-    _keep(f"godot-{made.kind}", strip)
+    if len(strip) == len(ALL_RENDERERS):
+        _keep(f"godot-{made.kind}", strip)
 
 
 def test_ambient_light_comes_along_the_bent_normal(

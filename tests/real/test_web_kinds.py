@@ -46,9 +46,9 @@ def set_sun(shown: Shown, sun: Sun) -> None:
 def compare(shown: Shown, made: KindBake, suns: tuple[Sun | None, ...], name: str) -> None:
     """Hold the page's pictures to the reference's: from a camera by each sun."""
     for sun, camera in zip(suns, (*CAMERAS, FRONT), strict=False):
+        shown.set_camera(camera)  # first, as its picture is smaller than the window
         if sun:
             set_sun(shown, sun)
-        shown.set_camera(camera)
         found = agreement(shown, made.seen(camera, sun), made, camera)
         print(f"{name}, {camera.name}, {sun}: {found:.1f} dB")
         assert found >= LEAST
@@ -64,8 +64,8 @@ def check_inspector(shown: Shown, made: KindBake) -> None:
     mask = made.eroded(FRONT)
     mask[:90] = False  # there are words
     rows, columns = np.nonzero(mask)
-    set_sun(shown, sun)
     shown.set_camera(FRONT)
+    set_sun(shown, sun)
     for number in np.linspace(0, len(rows) - 1, 5).astype(int):
         row, column = int(rows[number]), int(columns[number])
         shown.page.mouse.click(column + 0.5, row + 0.5)
@@ -190,6 +190,7 @@ def test_transfer_answers_to_a_sun_of_any_direction_and_colour(
 def check_controls(shown: Shown, own: list[str], others: list[str]) -> None:
     """The sliders move the sun; these are shown, the others are not."""
     page = shown.page
+    shown.set_camera(FRONT)
     for setting in ["azimuth", "height", *own]:
         before, word = shown.pixels(), page.inner_text("#sun")
         if setting == "colour":
