@@ -82,6 +82,7 @@ def furnace_sphere(segments: int = 256) -> Floats:
     return np.array([polygons[int(k)].center for k in pick])
 
 
+@pytest.mark.one_blender
 def test_a_furnace_bakes_to_its_albedo_on_a_fine_sphere(tmp_path: Path) -> None:
     position = furnace_sphere()
     normal = position / np.linalg.norm(position, axis=1, keepdims=True)
@@ -144,6 +145,7 @@ def mirror_floor() -> CapturePlan:
     return stage.plan_of(position, np.tile([0.0, 0, 1], (16, 1)), 8, tangent=np.tile([0.6, 0.8, 0], (16, 1)))
 
 
+@pytest.mark.one_blender
 def test_a_perfect_mirrors_radiance_is_its_reflection(tmp_path: Path) -> None:
     stage.hdri(stage.world())
     stage.lamps()
@@ -157,6 +159,7 @@ def test_a_perfect_mirrors_radiance_is_its_reflection(tmp_path: Path) -> None:
     same_light("mirror: radiance, reflection", colours[0], colours[1])
 
 
+@pytest.mark.one_blender
 @pytest.mark.parametrize("kind", [Kind.INCIDENT, Kind.REFLECTION])
 def test_portal_and_panoramic_agree(tmp_path: Path, kind: Kind) -> None:
     stage.hdri(stage.world())
@@ -185,6 +188,7 @@ def contrast(cells: Floats) -> Floats:
     return shifted.max(axis=0) - shifted.min(axis=0)
 
 
+@pytest.mark.one_blender
 def test_the_panoramic_capture_cannot_look_at_its_own_surface(tmp_path: Path) -> None:
     plan = stage.plan_of(np.zeros((1, 3)), np.array([[0.0, 0, 1]]), 4)
     with scratch() as scene, pytest.raises(InputError, match="bake radiance by portal"):
@@ -314,6 +318,7 @@ def test_the_portal_is_a_plain_camera(tmp_path: Path, case: str) -> None:
         assert portal[..., 3].max() > 0.99
 
 
+@pytest.mark.one_blender
 def test_where_the_image_is_cut_changes_no_bit(tmp_path: Path) -> None:
     stage.hdri(stage.world())
     stage.lamps()

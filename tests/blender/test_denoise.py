@@ -76,6 +76,7 @@ def test_noise_goes_energy_stays_and_borders_are_sharp(out: Path) -> None:
     assert steps[0] > 0.6 * steps[1], "the shadow's edge is as steep"
 
 
+@pytest.mark.one_blender
 def test_the_same_bits_each_time_and_those_of_old_without(out: Path) -> None:
     """A raw bake knows nothing of denoising: its sidecar has no key for it."""
     two_sided_card()
@@ -86,6 +87,7 @@ def test_the_same_bits_each_time_and_those_of_old_without(out: Path) -> None:
     assert '"denoised": true' in (out / "a" / "Card.radiance.json").read_text()
 
 
+@pytest.mark.one_blender
 def test_layers_still_add_up(out: Path) -> None:
     """Each layer is denoised by itself: diffuse light is all there is, so that it is the whole, nearly."""
     two_sided_card()
@@ -99,6 +101,7 @@ def test_layers_still_add_up(out: Path) -> None:
     np.testing.assert_allclose(diffuse, whole[..., :3], rtol=0.02, atol=2e-3)
 
 
+@pytest.mark.one_blender
 def test_a_transfer_is_denoised(out: Path) -> None:
     two_sided_card()
     spec = BakeSpec(kind=Kind.TRANSFER, texels=32, bucket=3, samples=2, uv_layer="UVMap", half=False)
@@ -115,6 +118,7 @@ def test_a_transfer_is_denoised(out: Path) -> None:
     assert off[1] < 0.02, f"raw noise that the fit cuts off below 0 adds light: {off[0]:.1%}"
 
 
+@pytest.mark.one_blender
 def test_what_is_added_to_a_denoised_bake_is_told(out: Path, caplog: pytest.LogCaptureFixture) -> None:
     two_sided_card()
     baked(SPEC, out)
@@ -138,6 +142,7 @@ def test_the_smallest_pictures_are_denoised_too(out: Path, texels: int, bucket: 
     np.testing.assert_allclose(light, 0.8, rtol=0.02)
 
 
+@pytest.mark.one_blender
 def test_only_light_in_buckets_is_denoised() -> None:
     assert BakeSpec(kind=Kind.PROXY, denoise=True).denoise
     for other in ({"kind": Kind.SHADOW}, {"kind": Kind.AO}, {"layout": "layered"}, {"refresh": True}):

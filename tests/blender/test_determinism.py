@@ -15,6 +15,7 @@ from tests.bench.determinism import scenes
 from tests.bench.determinism.__main__ import baked, started
 from tests.blender import stage
 
+pytestmark = pytest.mark.one_blender
 CHEAP = ["radiance", "layers", "incident", "shadow", "ao", "transfer", "lights", "layered"]
 
 

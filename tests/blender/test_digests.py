@@ -149,6 +149,7 @@ def test_what_does_not_matter_is_not_noticed() -> None:
     assert digests() == before
 
 
+@pytest.mark.one_blender
 def test_a_large_file_is_read_in_part(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(content_digests, "_WHOLE", 64 * 10)
     path = tmp_path / "large"

@@ -85,6 +85,7 @@ def test_an_opaque_object_has_nothing_inside(block: tuple[bpy.types.Scene, Body,
         assert inside == ()
 
 
+@pytest.mark.one_blender
 def test_paths_end_at_what_is_cast_in_and_pass_a_bubble(
     block: tuple[bpy.types.Scene, Body, CapturePlan], tmp_path: Path
 ) -> None:

@@ -31,6 +31,7 @@ from radtex_addon.textures.export_spec import Arrangement, ExportSpec, Target, T
 from tests.blender import stage
 from tests.blender.fingerprint import differences, fingerprint
 
+pytestmark = pytest.mark.one_blender
 context: Any = bpy.context  # to the stubs, every pointer may be None
 
 PLAIN = BakeSpec(texels=24, bucket=4, samples=1)

@@ -26,6 +26,8 @@ from radtex_addon.forms.layered.lookup.environment import Around, Pictures
 from radtex_addon.textures.flat_lightmap import even_directions, flat_png, mean_of_buckets
 from tests.layered.made_up import made_up_atlas
 
+pytestmark = pytest.mark.one_blender
+
 
 def one_cell(bucket: int, q: int, p: int) -> Floats:
     """An atlas of 2 x 1 texels whose first has one bright cell."""

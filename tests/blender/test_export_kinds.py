@@ -35,6 +35,7 @@ from radtex_addon.textures.export_spec import Target
 from tests.blender import stage
 from tests.blender.batch_process import Outcome, refusal
 
+pytestmark = pytest.mark.one_blender
 context: Any = bpy.context  # to the stubs, every pointer may be None
 SPECS = {
     Kind.SHADOW: BakeSpec(kind=Kind.SHADOW, texels=12, bucket=8),

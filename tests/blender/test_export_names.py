@@ -24,6 +24,7 @@ from radtex_addon.farm.prepare_farm import prepare_steps
 from radtex_addon.job import bake_object
 from radtex_addon.textures.export_spec import ExportSpec, Target
 
+pytestmark = pytest.mark.one_blender
 context: Any = bpy.context  # to the stubs, every pointer may be None
 EVIL = "evil"
 NAME = f'Va"se\u2028{EVIL}\n{EVIL}\r{EVIL}\u2029{EVIL}\u0085{EVIL}\\'

@@ -25,6 +25,7 @@ from radtex_addon.job import bake_object
 from radtex_addon.textures.entry import Arranged
 from radtex_addon.textures.export_spec import ExportSpec, Target, TextureFormat
 
+pytestmark = pytest.mark.one_blender
 context: Any = bpy.context
 
 

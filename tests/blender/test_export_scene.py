@@ -34,6 +34,7 @@ from tests.blender.fingerprint import differences, fingerprint
 from tests.blender.furnished_room import LEVELS, NODES, bake_room
 from tests.gltf_schema import extensions_of, problems
 
+pytestmark = pytest.mark.one_blender
 context: Any = bpy.context  # to the stubs, every pointer may be None
 
 _TO_BLENDER = np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]])

@@ -22,6 +22,7 @@ from radtex_addon.forms.layered.capture.surface_alone import surface_alone
 from radtex_addon.scene.scratch import scene_copied, scratch_scene
 from tests.blender.stage import material, plan_of, world
 
+pytestmark = pytest.mark.one_blender
 _COLOUR = (0.8, 0.4, 0.2)
 _CELLS = 8
 

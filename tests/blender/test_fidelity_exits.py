@@ -9,6 +9,7 @@ from typing import cast
 
 import bpy
 import numpy as np
+import pytest
 
 from radtex_addon.bake.plan import plan_capture
 from radtex_addon.bake.pooling import Neighbours
@@ -24,6 +25,7 @@ from radtex_addon.scene.scratch import scratch_scene
 from tests.bench.fidelity.scenes.materials import assign, principled
 from tests.bench.fidelity.scenes.meshes import as_subject, made
 
+pytestmark = pytest.mark.one_blender
 _CELLS, _TIMES, _INDEX, _THICK = 4, 3, 1.5, 0.2
 
 

@@ -22,6 +22,7 @@ from tests.bench.fidelity.scenes.meshes import as_subject, made, move_to, places
 from tests.bench.fidelity.scenes.stage import finish, start
 from tests.blender.surroundings import sample_sky_coarsely
 
+pytestmark = pytest.mark.one_blender
 _TEXELS, _SAMPLES, _REFERENCE = 32, 4, 24
 
 

@@ -26,7 +26,7 @@ from radtex_addon.textures.export_spec import ExportSpec, Target
 from tests.blender.objects_stage import corner, detailed, pair, view
 from tests.blender.test_fidelity_layered import coarsen
 
-pytestmark = pytest.mark.usefixtures("temporary")
+pytestmark = [pytest.mark.usefixtures("temporary"), pytest.mark.one_blender]
 context: Any = bpy.context  # to the stubs, every pointer may be None
 
 SPEC = BakeSpec(layout=Layout.LAYERED, texels=40, samples=4)

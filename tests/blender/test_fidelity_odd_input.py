@@ -18,6 +18,7 @@ from tests.bench.fidelity.scenes import Stage
 from tests.blender import odd_stages
 from tests.blender.odd_input import Seen, looked_at
 
+pytestmark = pytest.mark.one_blender
 # of each material: the least PSNR in dB, and by how much its mean may differ from Cycles'
 _OPAQUE = {
     "glossy": (25, 0.05),

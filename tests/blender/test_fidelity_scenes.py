@@ -21,6 +21,7 @@ from tests.bench.fidelity.references import View
 from tests.bench.fidelity.report import Result, Seen, distribution_table
 from tests.bench.fidelity.scenes import SCENES, Stage
 
+pytestmark = pytest.mark.one_blender
 HELPERS = {"stage", "meshes", "materials", "case_maps"}
 
 

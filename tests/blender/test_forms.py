@@ -25,6 +25,7 @@ from radtex_addon.job.existing_bakes import images_of, is_finished
 from radtex_addon.textures.export_spec import ExportSpec, Target, TextureFormat
 from tests.blender import stage
 
+pytestmark = pytest.mark.one_blender
 context: Any = bpy.context  # to the stubs, every pointer may be None
 
 PLAIN = BakeSpec(texels=16, bucket=4, samples=2, uv_layer="UVMap")

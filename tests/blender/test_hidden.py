@@ -22,6 +22,7 @@ def active_mesh() -> bpy.types.Mesh:
     return mesh
 
 
+@pytest.mark.one_blender
 @pytest.mark.parametrize("mirrored", [False, True])
 def test_a_sheared_convex_mesh_hides_nothing(tmp_path: Path, mirrored: bool) -> None:
     bpy.ops.mesh.primitive_uv_sphere_add(segments=64, ring_count=32)

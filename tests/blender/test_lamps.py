@@ -85,6 +85,7 @@ def test_one_lamp_alone_gives_its_light_and_no_other(out: Path, name: str) -> No
     np.testing.assert_array_equal(image[..., 3], 1)
 
 
+@pytest.mark.one_blender
 def test_what_glows_leaves_no_light(out: Path) -> None:
     floor()
     image = bake(out, replace(SPEC, lights=("Noon",), samples=64))
@@ -94,6 +95,7 @@ def test_what_glows_leaves_no_light(out: Path) -> None:
     assert (noise < 0.02 * expected).all()
 
 
+@pytest.mark.one_blender
 def test_all_lamps_and_the_world_add_up_to_the_whole(out: Path) -> None:
     floor(bounces=2)
     lights = each_light(context.view_layer)
@@ -116,6 +118,7 @@ def test_all_lamps_and_the_world_add_up_to_the_whole(out: Path) -> None:
         assert noise < 0.04 * expected.mean()
 
 
+@pytest.mark.one_blender
 def test_arriving_light_shows_the_lamp_itself_and_no_world(out: Path) -> None:
     floor()
     spec = replace(SPEC, kind=Kind.INCIDENT, texels=3, bucket=9, samples=64, padding=0, lights=("Indoors",))
@@ -142,6 +145,7 @@ def test_lamps_are_copies_that_follow_what_drives_them(out: Path) -> None:
     assert np.abs(image[..., :3] - expected).max() < 1e-3
 
 
+@pytest.mark.one_blender
 def test_more_samples_are_of_the_same_lamps(out: Path) -> None:
     floor(bounces=1)
     context.scene.cycles.sampling_pattern = "TABULATED_SOBOL"
@@ -156,6 +160,7 @@ def test_more_samples_are_of_the_same_lamps(out: Path) -> None:
         bake(out, replace(spec, lights=("Noon",), accumulate=True))
 
 
+@pytest.mark.one_blender
 def test_a_bake_of_a_lamp_that_stopped_is_gone_on_with(out: Path) -> None:
     floor(bounces=1)
     spec = replace(SPEC, lights=("Noon",))
@@ -168,6 +173,7 @@ def test_a_bake_of_a_lamp_that_stopped_is_gone_on_with(out: Path) -> None:
     np.testing.assert_array_equal(bake(out, spec, resume=True), whole)
 
 
+@pytest.mark.one_blender
 def test_a_lamp_that_was_dimmed_is_refreshed_and_others_leave_it_alone(out: Path) -> None:
     floor(glow=0)
     spec = replace(SPEC, lights=("Noon",))
@@ -206,6 +212,7 @@ def test_without_lamps_or_with_a_word_for_a_name_there_is_no_each() -> None:
         each_light(context.view_layer)
 
 
+@pytest.mark.one_blender
 @pytest.mark.parametrize(
     ("wrong", "words"),
     [
@@ -224,6 +231,7 @@ def test_what_has_no_lamps_of_its_own_is_refused(wrong: dict[str, Any], words: s
         replace(SPEC, **{"lights": ("Noon",)} | wrong)
 
 
+@pytest.mark.one_blender
 def test_the_batch_bakes_each_lamp_and_goes_on_with_those_that_lack(tmp_path: Path) -> None:
     floor()
     blend = tmp_path / "floor.blend"
@@ -267,6 +275,7 @@ def test_the_batch_bakes_each_lamp_and_goes_on_with_those_that_lack(tmp_path: Pa
     assert "Floor-Evening.radiance" in refused.err
 
 
+@pytest.mark.one_blender
 def test_a_bake_of_some_lamps_is_found_last_and_not_compared(out: Path) -> None:
     floor()
     sidecar = bake_object(context.scene, "Floor", replace(SPEC, lights=("Noon",)), out).files.sidecar
@@ -280,6 +289,7 @@ def test_a_bake_of_some_lamps_is_found_last_and_not_compared(out: Path) -> None:
     assert find_bake(out, "Floor").path == whole
 
 
+@pytest.mark.one_blender
 def test_lights_are_read_from_lists(out: Path) -> None:
     floor()
     words = ["--lights=A", '--lights="B, C",D', "--frames=1,2"]
@@ -294,6 +304,7 @@ def test_lights_are_read_from_lists(out: Path) -> None:
     assert [spec.lights for spec in found] == [("Evening",), ("Noon",), ("Panel",), ("world",), ()]
 
 
+@pytest.mark.one_blender
 @pytest.mark.parametrize(
     ("words", "complaint"),
     [

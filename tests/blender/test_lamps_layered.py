@@ -94,6 +94,7 @@ def test_one_lamp_alone_gives_its_light_and_no_other(out: Path) -> None:
     assert np.abs(found / expected - 1).max() < 0.02
 
 
+@pytest.mark.one_blender
 def test_all_lamps_and_the_world_add_up_to_the_whole(out: Path) -> None:
     floor(roughness=0.3)
     lights = each_light(context.view_layer)
@@ -129,6 +130,7 @@ def test_what_another_file_lights_is_refused_and_nothing_is_left_dark(tmp_path: 
     assert differences(before, fingerprint()) == {}
 
 
+@pytest.mark.one_blender
 def test_of_many_lamps_the_eight_brightest_are_mirrored(out: Path, caplog: pytest.LogCaptureFixture) -> None:
     """A bake that mirrors more than shaders take could not be exported."""
     bpy.ops.mesh.primitive_plane_add(size=2)

@@ -36,6 +36,7 @@ def read() -> EvaluatedMesh:
         return evaluate(scratch, context.object)
 
 
+@pytest.mark.one_blender
 def test_a_mesh_is_flattened_in_parts_that_no_island_leaves(monkeypatch: pytest.MonkeyPatch) -> None:
     mesh = ball()
     monkeypatch.setattr(flatten_in_parts, "LARGE", 1000)
@@ -59,6 +60,7 @@ def test_a_mesh_is_flattened_in_parts_that_no_island_leaves(monkeypatch: pytest.
     )  # the bar moves with the parts
 
 
+@pytest.mark.one_blender
 @pytest.mark.parametrize("closed", [False, True])
 def test_few_rays_tell_whether_any_back_is_seen(closed: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     mesh = ball()

@@ -115,6 +115,7 @@ def test_the_group_agrees_with_the_reference(
     assert found[:, 3] == pytest.approx(alpha_at(atlas, at.uv), abs=2e-3)
 
 
+@pytest.mark.one_blender
 def test_an_image_of_another_bake_is_refused(plain: LayeredAtlas, tmp_path: Path) -> None:
     path = tmp_path / "Vase.radiance.json"
     write_layered(path, plain, _BAKE)
@@ -123,6 +124,7 @@ def test_an_image_of_another_bake_is_refused(plain: LayeredAtlas, tmp_path: Path
         build_layered_group(images, replace(facts, own_cells=12))
 
 
+@pytest.mark.one_blender
 def test_a_bake_beyond_the_gpu_is_refused(plain: LayeredAtlas, tmp_path: Path) -> None:
     path = tmp_path / "Vase.radiance.json"
     shapes = write_layered(path, plain, _BAKE).shapes

@@ -97,6 +97,7 @@ def test_the_script_node_agrees_with_the_reference(plain: LayeredAtlas, tmp_path
         assert found[:, 3] == pytest.approx(alpha_at(atlas, at.uv), abs=1e-4)
 
 
+@pytest.mark.one_blender
 def test_what_is_not_linked_is_the_shaded_point_s_own(plain: LayeredAtlas, tmp_path: Path) -> None:
     """Seen from straight above, on the faces of one material."""
     path = tmp_path / "Vase.radiance.json"
@@ -121,6 +122,7 @@ def test_what_is_not_linked_is_the_shaded_point_s_own(plain: LayeredAtlas, tmp_p
     assert off(found[:, :3], expected).max() <= WORST
 
 
+@pytest.mark.one_blender
 def test_more_lamps_than_shaders_take_are_refused(plain: LayeredAtlas, tmp_path: Path) -> None:
     path = tmp_path / "Vase.radiance.json"
     lamps = plain.around.lamps * (MOST_LAMPS + 1)
@@ -131,6 +133,7 @@ def test_more_lamps_than_shaders_take_are_refused(plain: LayeredAtlas, tmp_path:
         add_layered_osl_node(empty_tree(), path)
 
 
+@pytest.mark.one_blender
 def test_a_blender_without_osl_is_told_what_to_do(
     plain: LayeredAtlas, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -143,6 +146,7 @@ def test_a_blender_without_osl_is_told_what_to_do(
     assert not bpy.data.texts
 
 
+@pytest.mark.one_blender
 def test_another_working_space_is_refused(
     plain: LayeredAtlas, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

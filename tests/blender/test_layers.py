@@ -93,6 +93,7 @@ def test_light_passes_add_up_to_the_whole_and_base_and_rest_do(out: Path) -> Non
     assert length.mean() > 0.5
 
 
+@pytest.mark.one_blender
 @pytest.mark.parametrize("seconds", [1e-4, 100.0])
 def test_the_clock_changes_nothing_of_what_stands_in_a_volume(
     out: Path, seconds: float, monkeypatch: pytest.MonkeyPatch
@@ -106,6 +107,7 @@ def test_the_clock_changes_nothing_of_what_stands_in_a_volume(
     assert np.array_equal(first, second)
 
 
+@pytest.mark.one_blender
 def test_layers_change_nothing_of_the_whole(out: Path) -> None:
     busy_object()
     spec = BakeSpec(texels=16, bucket=4, samples=2, seed=3)
@@ -115,6 +117,7 @@ def test_layers_change_nothing_of_the_whole(out: Path) -> None:
     assert np.array_equal(alone, beside)
 
 
+@pytest.mark.one_blender
 def test_rest_of_a_diffuse_thing_is_next_to_nothing(out: Path) -> None:
     stage.world()
     bpy.ops.mesh.primitive_plane_add(size=2)

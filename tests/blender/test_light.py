@@ -271,6 +271,7 @@ def test_what_cycles_shows_all_the_same_is_not_refused(name: str) -> None:
     refuse_unfinite_light(context.scene, context.scene.view_layers[0])
 
 
+@pytest.mark.one_blender
 @pytest.mark.parametrize("layout", Layout)
 def test_a_bake_without_any_light_says_so(
     layout: Layout, tmp_path: Path, caplog: pytest.LogCaptureFixture
@@ -285,6 +286,7 @@ def test_a_bake_without_any_light_says_so(
     assert "no light at all comes from 'Baked': its bake is black. If lamps or the world" in caplog.text
 
 
+@pytest.mark.one_blender
 def test_light_of_which_much_is_infinite_fails() -> None:
     """A few such pixels, which faulty shaders make, are black as in Cycles."""
     light = np.ones((40, 10, 3), dtype=np.float32)
@@ -297,6 +299,7 @@ def test_light_of_which_much_is_infinite_fails() -> None:
         finite_light(light)
 
 
+@pytest.mark.one_blender
 @pytest.mark.parametrize("value", [inf, 1e38])
 def test_a_pixel_of_the_world_that_is_no_number_spoils_no_bake(value: float, tmp_path: Path) -> None:
     """Cycles drops its light, and shows all else."""

@@ -163,6 +163,7 @@ def floor(name: str, x: float) -> Any:
     return context.object
 
 
+@pytest.mark.one_blender
 @pytest.mark.parametrize("is_on", [False, True], ids=["preview off", "preview on"])
 def test_both_sides_of_a_comparison_have_the_scenes_light(tmp_path: Path, is_on: bool) -> None:
     """A lamp leaves out the left floor, and so lights all else; the left floor's bake is black."""

@@ -34,6 +34,7 @@ from tests.blender.batch_process import Batch
 from tests.blender.card_frame import give_frame
 from tests.blender.test_unwrap_choice import quads
 
+pytestmark = pytest.mark.one_blender
 context: Any = bpy.context  # to the stubs, every pointer may be None
 
 SPEC = BakeSpec(texels=64, bucket=2, samples=1)

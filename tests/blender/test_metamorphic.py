@@ -10,6 +10,7 @@ import pytest
 from tests.bench.metamorphic.__main__ import RELATIONS
 from tests.bench.metamorphic.trial import SIGMAS, Outcome, Trial, same_bits, same_light
 
+pytestmark = pytest.mark.one_blender
 QUICK = (
     "the scene mirrored",
     "sheared by a parent",

@@ -66,6 +66,7 @@ def cells(of_texels: Bools) -> Bools:
     return of_texels.repeat(SPEC.bucket, axis=0).repeat(SPEC.bucket, axis=1)
 
 
+@pytest.mark.one_blender
 def test_more_samples_go_where_they_are_wanted(out: Path) -> None:
     lit_ball()
     before = bake(out, SPEC)
@@ -82,6 +83,7 @@ def test_more_samples_go_where_they_are_wanted(out: Path) -> None:
     assert error_after < 0.85 * error_before  # by 1 / sqrt(2)
 
 
+@pytest.mark.one_blender
 def test_twice_as_many_there_are_as_good_at_once_as_one_after_the_other(out: Path) -> None:
     lit_ball()
     bake(out, SPEC)
@@ -94,6 +96,7 @@ def test_twice_as_many_there_are_as_good_at_once_as_one_after_the_other(out: Pat
     assert set(np.unique(counts(out))) == {4, 12}
 
 
+@pytest.mark.one_blender
 def test_then_everywhere_each_texel_goes_on_from_its_own(out: Path) -> None:
     """The share of each bake is that of its samples, as a glow tells that changes meanwhile."""
     ball = lit_ball()
@@ -107,6 +110,7 @@ def test_then_everywhere_each_texel_goes_on_from_its_own(out: Path) -> None:
     np.testing.assert_allclose(folded[cells(counts(out) == 12)], 8 / 12 * 1 + 4 / 12 * 3, rtol=1e-5)
 
 
+@pytest.mark.one_blender
 def test_everywhere_by_name_is_everywhere(out: Path) -> None:
     lit_ball()
     bake(out, SPEC)
@@ -117,6 +121,7 @@ def test_everywhere_by_name_is_everywhere(out: Path) -> None:
     assert read_sidecar(out / SIDECAR) == read_sidecar(out / "plain" / SIDECAR)
 
 
+@pytest.mark.one_blender
 def test_only_the_place_is_refreshed_with_the_samples_it_has(out: Path) -> None:
     lit_ball()
     bake(out, SPEC)
@@ -129,6 +134,7 @@ def test_only_the_place_is_refreshed_with_the_samples_it_has(out: Path) -> None:
     assert set(np.unique(counts(out))) == {4, 8}
 
 
+@pytest.mark.one_blender
 def test_what_fails_is_resumed(out: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     lit_ball()
     bake(out, SPEC)
@@ -150,6 +156,7 @@ def test_what_fails_is_resumed(out: Path, monkeypatch: pytest.MonkeyPatch) -> No
     assert np.array_equal(read_buckets(made.files.sidecar)[0], whole)
 
 
+@pytest.mark.one_blender
 def test_a_place_on_one_of_several_objects_is_found_in_their_atlas(out: Path) -> None:
     lit_ball()
     bpy.ops.mesh.primitive_cube_add(size=0.5, location=(1.5, 0, 0))
@@ -220,6 +227,7 @@ def test_a_place_without_faces_is_refused(out: Path) -> None:
         bake(out, replace(MORE, where="Nothing"))
 
 
+@pytest.mark.one_blender
 @pytest.mark.parametrize(
     ("options", "words"),
     [

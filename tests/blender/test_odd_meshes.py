@@ -237,6 +237,7 @@ def test_normals_that_look_inwards_or_nowhere(out: Path, temporary: Path) -> Non
         assert np.isfinite(bake(out / str(number))).all()
 
 
+@pytest.mark.one_blender
 def test_ten_thousand_islands_want_texels(out: Path, temporary: Path) -> None:
     """On a layer of their own they bake; an unwrap says how many texels they need."""
     place = np.stack(np.meshgrid(np.arange(100), np.arange(100)), axis=-1).reshape(-1, 1, 2)
@@ -271,6 +272,7 @@ def test_missing_images_and_libraries_are_told(tmp_path: Path, out: Path) -> Non
     assert "library.blend is missing, and all that is linked from it: put it back" in str(said[1])
 
 
+@pytest.mark.one_blender
 @pytest.mark.parametrize(
     "sizes",
     [

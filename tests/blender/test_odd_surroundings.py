@@ -33,6 +33,7 @@ from tests.blender.test_batch_compare import QUICK as FEW_PIXELS
 from tests.blender.test_ui_registration import state
 from tests.blender.ui_stage import context, ops, registered, settings
 
+pytestmark = pytest.mark.one_blender
 BRACES = "{blend_name} {x} }{ {{y}}"
 _CLOSED = """
 import os, sys

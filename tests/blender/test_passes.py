@@ -15,6 +15,7 @@ from radtex_addon.cli.serving import address, serving
 from radtex_addon.core.errors import InputError
 from radtex_addon.export.page_server import HERE
 
+pytestmark = pytest.mark.one_blender
 BAKE = ["room.blend", "--object", "Vase"]
 PAGE = ["--save-preview", "--export", "web"]
 

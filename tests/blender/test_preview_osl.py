@@ -67,6 +67,7 @@ def test_the_script_node_agrees_with_the_reference(tmp_path: Path) -> None:
         assert across <= 2e-3
 
 
+@pytest.mark.one_blender
 def test_a_ray_stands_in_for_the_viewer(tmp_path: Path) -> None:
     """The viewer stays linked, and must not matter."""
     atlas, lookups = random_atlas(), random_lookups()
@@ -88,6 +89,7 @@ def test_a_ray_stands_in_for_the_viewer(tmp_path: Path) -> None:
     assert error.max() <= 2e-3
 
 
+@pytest.mark.one_blender
 @pytest.mark.parametrize("linked", [("UV", "Tangent", "Sign"), ("UV", "Normal", "Tangent", "Sign")])
 def test_unlinked_vectors_are_the_shaded_point_s_own(linked: tuple[str, ...], tmp_path: Path) -> None:
     """Seen from straight above: without a normal every lookup is the pole of its bucket."""
@@ -123,6 +125,7 @@ def test_a_shader_that_does_not_compile_is_refused_and_leaves_nothing(tmp_path: 
     assert [path.name for path in tmp_path.iterdir()] == ["broken.osl"]
 
 
+@pytest.mark.one_blender
 def test_a_blender_without_osl_is_told_what_to_do(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "oslquery", None)
     with pytest.raises(InputError, match="official build, or the node group"):

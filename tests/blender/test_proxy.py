@@ -64,6 +64,7 @@ def test_a_hull_shows_what_is_inside_and_nothing_else(out: Path) -> None:
     assert {0.0, 1.0} <= set(np.unique(pixels[..., 3]))
 
 
+@pytest.mark.one_blender
 def test_a_collection_names_the_content(out: Path) -> None:
     hull_around_a_ball()
     chosen = bpy.data.collections.new("Shown")
@@ -73,6 +74,7 @@ def test_a_collection_names_the_content(out: Path) -> None:
     assert pixels[..., 0].max() == 1
 
 
+@pytest.mark.one_blender
 def test_a_window_shows_all_that_is_behind_it(out: Path) -> None:
     hull_around_a_ball()
     pixels = bake(out, BakeSpec(**{**vars(SPEC), "content": "*"}))
@@ -81,6 +83,7 @@ def test_a_window_shows_all_that_is_behind_it(out: Path) -> None:
     np.testing.assert_allclose(pixels[..., :3].sum(axis=-1), 1, atol=1e-5)
 
 
+@pytest.mark.one_blender
 def test_what_is_not_content_still_lights_it(out: Path) -> None:
     hull_around_a_ball()
     bpy.data.objects["Ball"].data.materials[0] = stage.material(
@@ -92,6 +95,7 @@ def test_what_is_not_content_still_lights_it(out: Path) -> None:
     assert light[2] > 0.3, "no light of the world"
 
 
+@pytest.mark.one_blender
 def test_hidden_things_and_things_that_hide_others_stay_what_they_are(out: Path) -> None:
     hull_around_a_ball()
     bpy.data.objects["Ball"].hide_render = True
@@ -118,6 +122,7 @@ def test_instances_are_content(out: Path) -> None:
     assert bake(out)[..., 1].max() == 1
 
 
+@pytest.mark.one_blender
 def test_a_hull_with_nothing_inside_is_refused_and_the_old_atlas_stays(out: Path) -> None:
     hull_around_a_ball()
     bake(out)
@@ -240,6 +245,7 @@ def test_undo_and_a_saved_file_know_what_was_hidden(out: Path) -> None:
     assert hidden("Ball") == hidden("Hull") == (False, False)
 
 
+@pytest.mark.one_blender
 @pytest.mark.parametrize(
     ("content", "words"),
     [("Nowhere", "there is no collection 'Nowhere'"), ("Empty", "has nothing that renders")],
@@ -251,12 +257,14 @@ def test_content_that_is_none_is_named(out: Path, content: str, words: str) -> N
         bake(out, BakeSpec(**{**vars(SPEC), "content": content}))
 
 
+@pytest.mark.one_blender
 def test_a_hull_alone_in_the_world_is_refused(out: Path) -> None:
     thing("cube", "Hull", (1, 1, 1), size=2)
     with pytest.raises(InputError, match="is alone in the scene"):
         bake(out, BakeSpec(**{**vars(SPEC), "content": "*"}))
 
 
+@pytest.mark.one_blender
 def test_what_does_not_fit_a_proxy_is_refused() -> None:
     with pytest.raises(InputError, match="radiance shows the object itself: bake a proxy"):
         BakeSpec(content="*")

@@ -12,6 +12,7 @@ import pytest
 
 from radtex_addon.formats.sidecar_file import SidecarFile
 
+pytestmark = pytest.mark.one_blender
 PAGE = Path(__file__).resolve().parents[2] / "docs/reference/python.md"
 
 

@@ -180,6 +180,7 @@ def test_odd_settings_change_no_bit(name: str, tmp_path: Path) -> None:
     assert len(plain) > 1
 
 
+@pytest.mark.one_blender
 def test_odd_settings_change_no_bit_of_a_farm(tmp_path: Path) -> None:
     small_scene()
     bpy.data.objects["Ball"].name = farming.BOX
@@ -191,6 +192,7 @@ def test_odd_settings_change_no_bit_of_a_farm(tmp_path: Path) -> None:
     assert files_in(tmp_path / "local") == files_in(tmp_path / "joined")
 
 
+@pytest.mark.one_blender
 def test_a_report_is_the_same(tmp_path: Path) -> None:
     small_scene()
     sidecar = bake_object(context.scene, "Ball", PLAIN, tmp_path / "bake").files.sidecar
@@ -203,6 +205,7 @@ def test_a_report_is_the_same(tmp_path: Path) -> None:
     assert found[0].energy == found[1].energy
 
 
+@pytest.mark.one_blender
 def test_a_picture_of_a_preview_has_the_size_that_is_asked_for(tmp_path: Path) -> None:
     small_scene()
     pictures = []
@@ -226,12 +229,14 @@ def test_a_picture_of_a_preview_has_the_size_that_is_asked_for(tmp_path: Path) -
     np.testing.assert_array_equal(pictures[0], pictures[1])
 
 
+@pytest.mark.one_blender
 def test_a_low_resolution_percentage_is_no_obstacle(tmp_path: Path) -> None:
     small_scene()
     context.scene.render.resolution_percentage = 10
     bake_object(context.scene, "Ball", PLAIN, tmp_path / "out")
 
 
+@pytest.mark.one_blender
 def test_a_view_layer_s_own_world_is_the_one_that_lights(tmp_path: Path) -> None:
     small_scene()
     for item in [item for item in bpy.data.objects if item.type == "LIGHT"]:

@@ -29,6 +29,7 @@ from tests.blender.card_frame import give_frame
 from tests.blender.fingerprint import differences, fingerprint
 from tests.blender.lived_in import lived_in_scene
 
+pytestmark = pytest.mark.one_blender
 context: Any = bpy.context  # to the stubs, every pointer may be None
 
 TINY = BakeSpec(texels=24, bucket=2, samples=1)

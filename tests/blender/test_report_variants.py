@@ -30,7 +30,7 @@ from tests.blender.test_lamps import floor
 from tests.blender.test_source import SPEC as SOURCED
 from tests.blender.test_source import balls, cage_around
 
-pytestmark = pytest.mark.usefixtures("temporary")
+pytestmark = [pytest.mark.usefixtures("temporary"), pytest.mark.one_blender]
 context: Any = bpy.context  # to the stubs, every pointer may be None
 
 LIT = BakeSpec(texels=16, bucket=4, samples=16)

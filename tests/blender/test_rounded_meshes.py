@@ -162,6 +162,7 @@ def test_meshes_that_differ_by_rounding_are_like_and_what_a_user_changes_is_not(
         first, all_of_it = now, everything
 
 
+@pytest.mark.one_blender
 @pytest.mark.usefixtures("boxes")
 def test_a_bake_is_unchanged_until_a_user_changes_something(out: Path) -> None:
     """Also its unwrap is found again, a later preview fits it, and more samples are added to it."""
@@ -193,6 +194,7 @@ def begun(out: Path, spec: BakeSpec) -> None:
             return
 
 
+@pytest.mark.one_blender
 @pytest.mark.usefixtures("boxes")
 @pytest.mark.parametrize("source", [None, "Other"])
 def test_an_unfinished_bake_keeps_the_meshes_that_it_began_with(source: str | None, out: Path) -> None:
@@ -209,6 +211,7 @@ def test_an_unfinished_bake_keeps_the_meshes_that_it_began_with(source: str | No
     assert changes(context.scene, "Box", spec, out) == UNCHANGED
 
 
+@pytest.mark.one_blender
 @pytest.mark.usefixtures("boxes")
 def test_an_unfinished_bake_of_what_was_changed_since_is_refused(out: Path) -> None:
     begun(out, SPEC)
@@ -218,6 +221,7 @@ def test_an_unfinished_bake_of_what_was_changed_since_is_refused(out: Path) -> N
             bake_object(context.scene, "Box", SPEC, out, resume=True)
 
 
+@pytest.mark.one_blender
 @pytest.mark.usefixtures("boxes")
 def test_a_farm_finds_nothing_that_moves(out: Path) -> None:
     with scratch_scene(context.scene) as scratch:

@@ -132,6 +132,7 @@ def test_mirrored_light_is_told_from_what_comes_through(lobe: str, shader: str, 
         np.testing.assert_allclose(other, 0, atol=2e-3)
 
 
+@pytest.mark.one_blender
 def test_hidden_directions_are_marked_by_the_cell_that_holds_them(tmp_path: Path) -> None:
     stage.world()
     card()
@@ -161,6 +162,7 @@ def test_a_mirrors_paths_end_in_the_mirror_direction(tmp_path: Path) -> None:
     np.testing.assert_allclose(found.through_end.astype(float), 0, atol=1e-3)
 
 
+@pytest.mark.one_blender
 def test_a_near_things_direction_is_seen_from_the_middle(tmp_path: Path) -> None:
     """All paths end on a ceiling at z = 3, where numpy's rays meet it."""
     middle = (0.5, -0.25, 0.0)
@@ -176,6 +178,7 @@ def test_a_near_things_direction_is_seen_from_the_middle(tmp_path: Path) -> None
     np.testing.assert_allclose(found.mirrored_end.astype(float)[near], expected[near], atol=3e-3)
 
 
+@pytest.mark.one_blender
 def test_a_diffuse_object_mirrors_nothing(tmp_path: Path) -> None:
     stage.world()
     found = ends_of(card(), tmp_path, upward(4, 4))
@@ -197,6 +200,7 @@ def test_an_object_without_material_lets_through_what_it_does_in_the_users_scene
     assert not found.through_weight.any()
 
 
+@pytest.mark.one_blender
 @pytest.mark.parametrize("tint", [(0.9, 0.6, 0.3, 1), (1, 0, 0, 1), (0, 0.25, 0.5, 1)])
 def test_light_goes_straight_through_a_tinted_slab(tint: Any, tmp_path: Path) -> None:
     """Two refractions at parallel faces leave the direction what it was, and each takes the tint."""
@@ -284,6 +288,7 @@ def test_the_object_stays_where_it_renders(trouble: str, tmp_path: Path) -> None
 # the surroundings
 
 
+@pytest.mark.one_blender
 def test_the_world_is_seen_where_it_is(tmp_path: Path) -> None:
     made = stage.world()
     tree = made.node_tree
@@ -303,6 +308,7 @@ def test_the_world_is_seen_where_it_is(tmp_path: Path) -> None:
     assert (found.direction[:, 2] > 0).all()
 
 
+@pytest.mark.one_blender
 def test_a_ceiling_is_as_near_as_it_is(tmp_path: Path) -> None:
     baked = card()
     ceiling = card("ShaderNodeEmission", size=2000, Strength=2.0)
@@ -315,6 +321,7 @@ def test_a_ceiling_is_as_near_as_it_is(tmp_path: Path) -> None:
     np.testing.assert_allclose(found.nearness[up], found.direction[up, 2] / 4, rtol=2e-2)
 
 
+@pytest.mark.one_blender
 def test_a_lamp_is_seen(tmp_path: Path) -> None:
     baked = card()
     bpy.ops.object.light_add(type="AREA", location=(0, 0, 1))
@@ -326,6 +333,7 @@ def test_a_lamp_is_seen(tmp_path: Path) -> None:
     np.testing.assert_allclose(found.radiance[bright], 40 / (2**2 * np.pi), rtol=1e-3)  # watts, area, pi
 
 
+@pytest.mark.one_blender
 def test_the_object_itself_is_left_out(tmp_path: Path) -> None:
     stage.world()
     plan = upward(12, 6)
@@ -337,6 +345,7 @@ def test_the_object_itself_is_left_out(tmp_path: Path) -> None:
 # the colour
 
 
+@pytest.mark.one_blender
 def test_the_colour_lies_where_its_texels_lie(tmp_path: Path) -> None:
     stage.world()
     card()

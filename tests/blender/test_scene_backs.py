@@ -142,6 +142,7 @@ def test_crumbs_that_are_seen_from_behind_get_no_texels(side: float, counts: boo
     assert seen().sum() == (2 if counts else 0)
 
 
+@pytest.mark.one_blender
 def test_a_twin_faces_the_other_way() -> None:
     mesh = read(bowl())
     faces = np.arange(len(mesh.triangles)) % 3 == 0
@@ -184,6 +185,7 @@ def test_rays_meet_the_side_that_faces_them(mirrored: bool) -> None:
         assert (texels.normal[row, column][:, 2] * up > 0.9).all()
 
 
+@pytest.mark.one_blender
 def test_both_sides_have_places_of_their_own_in_the_atlas() -> None:
     bowl()
     found = prepared(BakeSpec(texels=64))
@@ -211,6 +213,7 @@ def test_a_layer_of_ones_own_is_kept(caplog: pytest.LogCaptureFixture) -> None:
     assert "from behind" in caplog.text
 
 
+@pytest.mark.one_blender
 def test_the_inside_of_an_open_bowl_is_not_hidden(tmp_path: Path) -> None:
     bowl()
     for backs in (False, True):
@@ -220,6 +223,7 @@ def test_the_inside_of_an_open_bowl_is_not_hidden(tmp_path: Path) -> None:
         assert not hidden.cells.any()
 
 
+@pytest.mark.one_blender
 def test_the_back_of_a_card_above_hides_nothing_where_it_is_drawn(tmp_path: Path) -> None:
     bpy.ops.mesh.primitive_plane_add(size=0.5)
     card = context.object
@@ -235,6 +239,7 @@ def test_the_back_of_a_card_above_hides_nothing_where_it_is_drawn(tmp_path: Path
         assert not hidden[1].any()
 
 
+@pytest.mark.one_blender
 def test_lifted_twins_are_off_their_faces_and_no_others_move() -> None:
     bowl()
     mesh: Any = prepared(BakeSpec(texels=64)).mesh

@@ -84,6 +84,7 @@ def evaluated_area(evaluated: EvaluatedMesh) -> float:
     return float(surface_areas(evaluated.world_position[evaluated.triangles]).sum())
 
 
+@pytest.mark.one_blender
 @ALL
 @pytest.mark.parametrize("padding", [0, 1, 2, 5])
 def test_padding_lies_free_between_islands(unwrap: Unwrap, padding: int) -> None:
@@ -105,6 +106,7 @@ def test_padding_lies_free_between_islands(unwrap: Unwrap, padding: int) -> None
     assert not (touched & (reached_by_others > 0)).any()
 
 
+@pytest.mark.one_blender
 @ALL
 def test_less_padding_leaves_more_texels(unwrap: Unwrap) -> None:
     evaluated = head()
@@ -114,6 +116,7 @@ def test_less_padding_leaves_more_texels(unwrap: Unwrap) -> None:
     )
 
 
+@pytest.mark.one_blender
 @ALL
 def test_density_sets_the_size(unwrap: Unwrap) -> None:
     evaluated = cube()  # six faces of 2 x 2 units
@@ -124,6 +127,7 @@ def test_density_sets_the_size(unwrap: Unwrap) -> None:
     assert done.width * done.height > 6 * 60 * 60
 
 
+@pytest.mark.one_blender
 @ALL
 def test_texels_are_as_dense_everywhere_in_the_world(unwrap: Unwrap) -> None:
     """Scale, also uneven and negative, counts."""
@@ -136,6 +140,7 @@ def test_texels_are_as_dense_everywhere_in_the_world(unwrap: Unwrap) -> None:
     assert texels / units == pytest.approx(np.full(12, done.density**2), rel=0.05)
 
 
+@pytest.mark.one_blender
 @ALL
 def test_equal_input_gives_equal_output(unwrap: Unwrap) -> None:
     evaluated = head()
@@ -144,6 +149,7 @@ def test_equal_input_gives_equal_output(unwrap: Unwrap) -> None:
     )
 
 
+@pytest.mark.one_blender
 @ALL
 @pytest.mark.parametrize("size", [1e-4, 1e5])
 def test_size_in_the_scene_does_not_matter(unwrap: Unwrap, size: float) -> None:
@@ -154,6 +160,7 @@ def test_size_in_the_scene_does_not_matter(unwrap: Unwrap, size: float) -> None:
     assert small.density * size == pytest.approx(unwrap(head(), 96, UnwrapOptions()).density, rel=0.25)
 
 
+@pytest.mark.one_blender
 def test_a_smooth_surface_is_few_islands_and_a_cube_is_six() -> None:
     bpy.ops.mesh.primitive_uv_sphere_add()
     context.object.data.shade_smooth()
@@ -162,6 +169,7 @@ def test_a_smooth_surface_is_few_islands_and_a_cube_is_six() -> None:
     assert unwrap_xatlas(head(), 128).islands <= 70
 
 
+@pytest.mark.one_blender
 def test_sharp_edges_part_islands_and_soft_ones_do_not() -> None:
     bpy.ops.mesh.primitive_cylinder_add(
         vertices=8
@@ -171,6 +179,7 @@ def test_sharp_edges_part_islands_and_soft_ones_do_not() -> None:
     assert unwrap_xatlas(flat, 64, UnwrapOptions(seam_angle=30)).islands == 10
 
 
+@pytest.mark.one_blender
 def test_doubled_vertices_do_not_tear_islands() -> None:
     bpy.ops.mesh.primitive_uv_sphere_add(segments=16, ring_count=8)
     item = context.object
@@ -218,6 +227,7 @@ def test_awkward_meshes_are_unwrapped_too(unwrap: Unwrap, caplog: pytest.LogCapt
     assert np.abs(signed_areas(done.uv[~thin])).min() > 1e-4
 
 
+@pytest.mark.one_blender
 @ALL
 def test_a_surface_without_area_is_refused(unwrap: Unwrap) -> None:
     bpy.ops.mesh.primitive_cube_add()
@@ -227,6 +237,7 @@ def test_a_surface_without_area_is_refused(unwrap: Unwrap) -> None:
         unwrap(read(context.object), 64, UnwrapOptions())
 
 
+@pytest.mark.one_blender
 @ALL
 def test_too_few_texels_for_the_islands_are_refused(unwrap: Unwrap) -> None:
     evaluated = head()
@@ -234,6 +245,7 @@ def test_too_few_texels_for_the_islands_are_refused(unwrap: Unwrap) -> None:
         unwrap(evaluated, 8, UnwrapOptions())
 
 
+@pytest.mark.one_blender
 @pytest.mark.parametrize(
     "wrong", [{"padding": -1}, {"density": 0.0}, {"density": float("nan")}, {"iterations": (0,)}]
 )
@@ -242,6 +254,7 @@ def test_impossible_options_are_refused(wrong: dict[str, Any]) -> None:
         UnwrapOptions(**wrong)
 
 
+@pytest.mark.one_blender
 def test_estimates_grow_with_the_mesh_and_follow_the_options() -> None:
     counts = [10, 1_000, 16_000, 70_000, 1_000_000]
     seconds = [estimate_seconds(count) for count in counts]
@@ -252,6 +265,7 @@ def test_estimates_grow_with_the_mesh_and_follow_the_options() -> None:
     )
 
 
+@pytest.mark.one_blender
 def test_a_long_unwrap_is_announced(
     caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -281,6 +295,7 @@ def test_blender_leaves_mode_and_selection_alone() -> None:
     assert len(bpy.data.meshes) == 2
 
 
+@pytest.mark.one_blender
 def test_the_answer_does_not_overlap() -> None:
     bpy.ops.mesh.primitive_torus_add()
     context.object.data.shade_smooth()

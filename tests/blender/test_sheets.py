@@ -62,6 +62,7 @@ def test_a_sheet_has_the_same_bits_whichever_came_before(
     assert np.array_equal(alone, whole[6 * SIDE : 9 * SIDE])
 
 
+@pytest.mark.one_blender
 def test_sheets_have_noise_of_their_own(plan: CapturePlan, tmp_path: Path) -> None:
     """Two sheets of the same point differ; with one seed for all they would repeat it."""
     still = {name: np.broadcast_to(getattr(plan, name)[:1, :1], (SIDE, SIDE, 3)) for name in _FIELDS}

@@ -108,6 +108,7 @@ def test_texels_show_the_points_that_rays_find(out: Path) -> None:
     assert max(gaps) < 2e-3
 
 
+@pytest.mark.one_blender
 def test_bumps_that_stand_out_of_the_low_surface_and_lie_below_it_are_found(out: Path) -> None:
     balls()
     place = (cells_of(bake(out), SPEC.bucket)[..., :3] - 0.5) * 4
@@ -116,6 +117,7 @@ def test_bumps_that_stand_out_of_the_low_surface_and_lie_below_it_are_found(out:
     assert radius.min() < 1 - BUMP / 2
 
 
+@pytest.mark.one_blender
 def test_the_sidecar_says_where_the_light_is_from(out: Path) -> None:
     balls()
     made = bake_object(context.scene, "Low", SPEC, out)
@@ -130,6 +132,7 @@ def test_the_sidecar_says_where_the_light_is_from(out: Path) -> None:
     )
 
 
+@pytest.mark.one_blender
 def test_without_a_word_a_few_per_cent_of_the_size_are_searched(out: Path) -> None:
     balls(bumps=0.02)
     made = bake_object(context.scene, "Low", replace(SPEC, extrusion=None), out)
@@ -139,6 +142,7 @@ def test_without_a_word_a_few_per_cent_of_the_size_are_searched(out: Path) -> No
     assert facts.source.missed == 0
 
 
+@pytest.mark.one_blender
 def test_what_finds_nothing_is_counted_told_and_filled(out: Path, caplog: pytest.LogCaptureFixture) -> None:
     balls()
     bpy.ops.object.select_all(action="DESELECT")
@@ -198,6 +202,7 @@ def test_a_cage_that_is_an_extrusion_lands_where_that_does(out: Path) -> None:
     assert (facts.source.cage, facts.source.missed) == ("Cage", 0)
 
 
+@pytest.mark.one_blender
 def test_a_cage_reaches_a_far_part_that_an_extrusion_for_the_near_ones_misses(out: Path) -> None:
     balls(bumps=0.02)
     for vertex in bpy.data.objects["High"].data.vertices:
@@ -217,6 +222,7 @@ def test_a_cage_reaches_a_far_part_that_an_extrusion_for_the_near_ones_misses(ou
     assert missed["Cage"] == 0
 
 
+@pytest.mark.one_blender
 def test_a_cage_that_renders_casts_no_shadow(out: Path) -> None:
     balls(bumps=0)
     stage.world((0.5, 0.5, 0.5))
@@ -229,6 +235,7 @@ def test_a_cage_that_renders_casts_no_shadow(out: Path) -> None:
     np.testing.assert_allclose(image[..., :3].mean(), 0.5, rtol=0.02)
 
 
+@pytest.mark.one_blender
 def test_where_a_cage_touches_only_what_lies_there_is_found() -> None:
     balls(bumps=0)
     bpy.data.objects["High"].scale = (1.02, 1.02, 1.02)
@@ -241,6 +248,7 @@ def test_where_a_cage_touches_only_what_lies_there_is_found() -> None:
     assert kept.missed > 100
 
 
+@pytest.mark.one_blender
 def test_a_resumed_bake_has_the_same_cage(out: Path) -> None:
     balls()
     cage = cage_around(lambda _: 0.3)
@@ -259,6 +267,7 @@ def test_a_resumed_bake_has_the_same_cage(out: Path) -> None:
         bake_object(context.scene, "Low", spec, out / "other", resume=True)
 
 
+@pytest.mark.one_blender
 @pytest.mark.parametrize(
     ("cage", "words"),
     [
@@ -283,6 +292,7 @@ def test_a_cage_that_is_none_is_named(out: Path, cage: str, words: str) -> None:
     assert not list(out.glob("*.exr"))
 
 
+@pytest.mark.one_blender
 def test_nothing_found_at_all_is_refused_and_the_old_atlas_stays(out: Path) -> None:
     balls()
     bake(out)
@@ -310,6 +320,7 @@ def test_moved_turned_and_mirrored_objects_meet_in_world_space(out: Path) -> Non
     assert radius.std() > 0.01
 
 
+@pytest.mark.one_blender
 def test_lamps_are_met_from_the_high_surface_and_the_low_one_casts_no_shadow(out: Path) -> None:
     balls(bumps=0.02)
     low = bpy.data.objects["Low"]
@@ -324,6 +335,7 @@ def test_lamps_are_met_from_the_high_surface_and_the_low_one_casts_no_shadow(out
     assert ambient.mean() > 0.9, "the low object is in the way"
 
 
+@pytest.mark.one_blender
 def test_a_bake_goes_on_where_it_stopped_unless_the_source_has_changed(out: Path) -> None:
     balls()
     whole = bake(out / "whole")
@@ -394,6 +406,7 @@ def _result(steps: Generator[Any, None, Comparison]) -> Comparison:
             return cast(Comparison, end.value)
 
 
+@pytest.mark.one_blender
 def test_a_comparison_is_with_the_high_object(out: Path) -> None:
     balls()
     made = bake_object(context.scene, "Low", SPEC, out, preview=Filter.QUADRILINEAR)
@@ -407,6 +420,7 @@ def test_a_comparison_is_with_the_high_object(out: Path) -> None:
     assert found.figures.psnr > 30
 
 
+@pytest.mark.one_blender
 @pytest.mark.parametrize(
     ("source", "words"),
     [
@@ -427,6 +441,7 @@ def test_a_source_that_is_none_is_named(out: Path, source: str, words: str) -> N
     assert not out.exists()
 
 
+@pytest.mark.one_blender
 @pytest.mark.parametrize(
     ("wrong", "words"),
     [

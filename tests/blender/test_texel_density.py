@@ -35,7 +35,7 @@ from radtex_addon.scene.uv.unwrap_options import UnwrapOptions
 from tests.blender import stage
 from tests.blender.test_unwrap_choice import quads, read
 
-pytestmark = pytest.mark.usefixtures("temporary", "empty_file")
+pytestmark = [pytest.mark.usefixtures("temporary", "empty_file"), pytest.mark.one_blender]
 context: Any = bpy.context  # to the stubs, every pointer may be None
 
 QUICK = BakeSpec(bucket=2, samples=1, density=32, unwrap=Unwrap.UVUNWRAP)

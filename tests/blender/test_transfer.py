@@ -72,6 +72,7 @@ def test_a_diffuse_card_shows_the_cosine_of_its_light(tmp_path: Path) -> None:
     np.testing.assert_array_equal(pixels[..., 3], 1)
 
 
+@pytest.mark.one_blender
 def test_no_other_light_leaves_a_trace(tmp_path: Path) -> None:
     card()
     alone, facts = bake(tmp_path / "alone")
@@ -92,6 +93,7 @@ def test_no_other_light_leaves_a_trace(tmp_path: Path) -> None:
     np.testing.assert_allclose(under(lit, facts, (0, 0, -1))[:3], 0, atol=0.01)
 
 
+@pytest.mark.one_blender
 def test_what_glows_shows_nothing_of_itself(tmp_path: Path) -> None:
     made = card()
     made.data.materials[0] = stage.material("Glow", "ShaderNodeEmission", Color=(5, 5, 5, 1))
@@ -99,6 +101,7 @@ def test_what_glows_shows_nothing_of_itself(tmp_path: Path) -> None:
     np.testing.assert_array_equal(pixels[..., :3], 0)
 
 
+@pytest.mark.one_blender
 def test_a_turned_object_has_the_same_buckets(tmp_path: Path) -> None:
     """Within noise, and what 9 x 9 cells tell apart: so it may turn at run time."""
     made = card()
@@ -111,6 +114,7 @@ def test_a_turned_object_has_the_same_buckets(tmp_path: Path) -> None:
         assert one == pytest.approx(other, abs=0.08 * float(straight.max()))
 
 
+@pytest.mark.one_blender
 def test_light_comes_through_from_behind(tmp_path: Path) -> None:
     made = card()
     made.data.materials[0] = stage.material("Leaf", "ShaderNodeBsdfTranslucent", Color=(0.5, 1, 0.5, 1))
@@ -121,6 +125,7 @@ def test_light_comes_through_from_behind(tmp_path: Path) -> None:
     np.testing.assert_allclose(under(pixels, facts, (0, 0, 1))[:3], 0, atol=0.01)
 
 
+@pytest.mark.one_blender
 def test_a_bake_goes_on_between_suns_and_is_the_same_bit_by_bit(tmp_path: Path) -> None:
     card()
     whole, _ = bake(tmp_path / "whole")
@@ -152,6 +157,7 @@ def test_the_users_scene_is_what_it_was(tmp_path: Path) -> None:
     assert differences(before, fingerprint()) == {}
 
 
+@pytest.mark.one_blender
 @pytest.mark.parametrize(
     ("wrong", "says"),
     [
@@ -206,6 +212,7 @@ def to_eye(far: bool) -> Floats:
     return np.asarray(away / np.linalg.norm(away, axis=1, keepdims=True))
 
 
+@pytest.mark.one_blender
 @pytest.mark.parametrize("kind", ["PERSP", "ORTHO"])
 def test_a_cameras_view_shows_what_the_camera_sees(tmp_path: Path, kind: str) -> None:
     changing_card()
@@ -221,6 +228,7 @@ def test_a_cameras_view_shows_what_the_camera_sees(tmp_path: Path, kind: str) ->
     np.testing.assert_allclose(shown, (1 + away[:, 0]) / 2 / np.pi, rtol=0.04)
 
 
+@pytest.mark.one_blender
 def test_views_from_around_blend_between_nine(tmp_path: Path) -> None:
     changing_card()
     pixels, facts = bake(tmp_path, replace(SMALL, view=View.AROUND, uv_layer="UVMap"))
@@ -235,6 +243,7 @@ def test_views_from_around_blend_between_nine(tmp_path: Path) -> None:
     np.testing.assert_allclose(between, 0.75 / np.pi, atol=0.012)
 
 
+@pytest.mark.one_blender
 def test_what_faces_away_from_the_camera_is_seen_from_before_it(tmp_path: Path) -> None:
     changing_card()
     camera((1.5, -0.5, -1.0), "PERSP")
@@ -243,6 +252,7 @@ def test_what_faces_away_from_the_camera_is_seen_from_before_it(tmp_path: Path) 
     np.testing.assert_allclose(shown, (1 + to_eye(False)[:, 0]) / 2 / np.pi, rtol=0.04)
 
 
+@pytest.mark.one_blender
 def test_a_view_that_cannot_be_is_refused(tmp_path: Path) -> None:
     card()
     with pytest.raises(InputError, match="scene 'Scene' has no camera to be seen from: add one"):

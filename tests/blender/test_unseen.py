@@ -90,6 +90,7 @@ def test_what_cameras_see_through_is_refused(
     assert not out.exists()
 
 
+@pytest.mark.one_blender
 @pytest.mark.parametrize("kind", [Kind.INCIDENT, Kind.REFLECTION, Kind.AO, Kind.SHADOW])
 @pytest.mark.parametrize(("hide", "_words"), UNSEEN)
 def test_what_asks_no_camera_is_baked_all_the_same(

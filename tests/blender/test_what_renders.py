@@ -246,6 +246,7 @@ def seen_around(receiver: Any, folder: Path) -> tuple[Floats, Floats]:
     return found.world.levels[0].mean(axis=(0, 1)), total[:3] / total[3]
 
 
+@pytest.mark.one_blender
 def test_the_surroundings_are_as_a_mirror_sees_them(tmp_path: Path) -> None:
     """To cameras the world is red and the cube is not there; to glossy rays the world is green."""
     receiver = ball()
@@ -305,6 +306,7 @@ def test_a_glowing_thing_that_does_not_light_the_object_is_dark_in_it(tmp_path: 
     assert differences(before, fingerprint()) == {}
 
 
+@pytest.mark.one_blender
 def test_instances_of_the_surroundings_are_in_their_layer_and_not_in_the_world(tmp_path: Path) -> None:
     receiver = ball()
     stage.world((0, 0, 0))
@@ -319,6 +321,7 @@ def test_instances_of_the_surroundings_are_in_their_layer_and_not_in_the_world(t
     np.testing.assert_allclose(thing, [0, 0, 1], atol=0.1)
 
 
+@pytest.mark.one_blender
 def test_a_layer_that_is_not_the_first_is_looked_at(tmp_path: Path) -> None:
     receiver = ball()
     stage.world((0, 0, 0))
@@ -430,6 +433,7 @@ def test_instances_hide_lamps_and_the_object_itself_does_not() -> None:
     assert not hidden((0, 0, 6), receiver)
 
 
+@pytest.mark.one_blender
 def test_an_object_that_stands_in_a_plane_looks_at_it_from_above() -> None:
     plane = _seen_from_above(np.array([0, 0, 1.0]), 4.0, MIDDLE, 1.0)
     assert plane.height == 0

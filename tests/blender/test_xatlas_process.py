@@ -28,6 +28,7 @@ from radtex_addon.scene.uv import xatlas_worker
 from radtex_addon.scene.uv.unwrap import unwrap_steps
 from radtex_addon.scene.uv.xatlas_process import Charts, XatlasProcess, check_xatlas
 
+pytestmark = pytest.mark.one_blender
 context: Any = bpy.context  # to the stubs, every pointer may be None
 POSIX = pytest.mark.skipif(os.name != "posix", reason="signals and shell scripts")
 
