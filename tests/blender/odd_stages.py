@@ -144,10 +144,7 @@ def whole(name: str) -> Stage:
     _start(sky=True)
     known: dict[str, list[bpy.types.Material | None]] = {
         "no slot": [],
-        "empty slot": [None],
-        "volume": [material("volume", None, node("VolumePrincipled", Density=3.0, Color=GREY))],
         "emission": [material("emission", node("Emission", Color=GREEN, Strength=2.0))],
-        "black": [material("black", node("BsdfDiffuse", Color=(0.0, 0.0, 0.0, 1)))],
         "transparent": [material("transparent", CLEAR)],
         "holdout": [material("holdout", node("Holdout"))],
         "alpha 0": [material("alpha 0", node("BsdfPrincipled", Base_Color=RED, Alpha=0.0))],
@@ -157,7 +154,7 @@ def whole(name: str) -> Stage:
     cast(bpy.types.Mesh, item.data).materials.clear()
     for one in known[name]:
         cast(Any, item.data).materials.append(one)
-    clear = name in ("volume", "transparent", "holdout", "alpha 0", "unseen")
+    clear = name in ("transparent", "holdout", "alpha 0", "unseen")
     return stage_of(item, see_through=clear)
 
 
@@ -193,15 +190,11 @@ def lamps(size: float, kinds: str = "POINT SPOT AREA SUN", inside: bool = False)
 
 
 def surroundings(name: str) -> Stage:
-    """None at all, or hardly any."""
+    """None at all, or what glows of the object itself."""
     _start(sky=False)
-    scene = cast(bpy.types.Scene, bpy.context.scene)
-    if name != "black world":
-        scene.world = None
+    cast(bpy.types.Scene, bpy.context.scene).world = None
     plain = principled("metal", (0.8, 0.7, 0.5), Metallic=1.0, Roughness=0.2)
     glow = material("glow", node("Emission", Color=GREEN, Strength=2.0))
-    if name == "a lamp":
-        _lamp("POINT", (-2.0, -2, 1.5), 150, 0.1)
     return stage_of(balls([plain, glow] if name == "own glow" else [plain]), floor=False)
 
 

@@ -66,24 +66,6 @@ def test_a_shadows_words_come_back_bit_by_bit(
     assert not joined[..., words.shape[2] :].any()
 
 
-def test_ambient_occlusion_is_a_texture_of_one_cell(out: Path) -> None:
-    made = finished(export_steps(baked("ao", out), ExportSpec(Target.GLTF)))
-    entry = read_manifest(made.folder / "Floor.export.json").textures["ao"]
-    assert entry.format is PixelFormat.RGBA16F
-    assert entry.texels == entry.size[:2] or entry.levels > 1
-
-
-@pytest.mark.parametrize("kind", ["shadow", "ao"])
-@pytest.mark.parametrize("target", [Target.UNITY, Target.UNREAL])
-def test_what_shows_light_alone_refuses_them(out: Path, kind: str, target: Target) -> None:
-    sidecar = baked(kind, out)
-    with pytest.raises(
-        InputError, match=f"of kind {kind}, which {target} does not show: choose web, godot, raw, gltf"
-    ):
-        finished(export_steps(sidecar, ExportSpec(target)))
-    assert not (out / f"Floor.{target}").exists()
-
-
 def test_bits_have_one_format(out: Path) -> None:
     sidecar = baked("shadow", out)
     with pytest.raises(InputError, match="holds bits, not light: leave the format out"):

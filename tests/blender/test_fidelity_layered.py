@@ -12,36 +12,18 @@ import bpy
 import numpy as np
 import pytest
 
-from radtex_addon.forms.layered.capture import lamps, panoramas
-from radtex_addon.report.gbuffer import BakedSurface, Rays
+from radtex_addon.report.gbuffer import BakedSurface
 from tests.bench.fidelity.methods.layered import make
 from tests.bench.fidelity.rendering import Rendering, render
 from tests.bench.fidelity.scenes import PIXELS, SCENES, Stage
 from tests.bench.fidelity.scenes.materials import assign, connect, principled
 from tests.bench.fidelity.scenes.meshes import as_subject, made, move_to, places
 from tests.bench.fidelity.scenes.stage import finish, start
+from tests.blender.objects_stage import looking
 from tests.blender.surroundings import sample_sky_coarsely
 
 pytestmark = pytest.mark.one_blender
 _TEXELS, _SAMPLES, _REFERENCE = 32, 4, 24
-
-
-def coarsen(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let the pictures of the surroundings be small."""
-    for module, name, size in (
-        (panoramas, "WORLD_WIDTH", 768),
-        (panoramas, "NEAR_WIDTH", 384),
-        (panoramas, "PICTURE_SIZE", 256),
-        (lamps, "_SIZE", 256),
-    ):
-        monkeypatch.setattr(module, name, size)
-
-
-def looking(camera: Any) -> Rays:
-    """One ray for each pixel."""
-    half = camera.data.sensor_width / 2 / camera.data.lens
-    turn = np.array(camera.rotation_euler.to_matrix())
-    return Rays.of_camera(np.array(camera.location), turn, half, PIXELS, 1)
 
 
 def two_sided_sheet() -> Stage:
@@ -65,10 +47,7 @@ def two_sided_sheet() -> Stage:
     return finish("two-sided sheet", sheet)
 
 
-def test_both_sides_of_a_sheet_look_as_cycles_sees_them(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    coarsen(monkeypatch)
+def test_both_sides_of_a_sheet_look_as_cycles_sees_them(tmp_path: Path) -> None:
     stage = two_sided_sheet()
     baked = make(_TEXELS, _SAMPLES).bake(stage, tmp_path)
     surface = BakedSurface(baked.mesh, baked.matrix_world, baked.uv_layer)
@@ -86,8 +65,7 @@ def test_both_sides_of_a_sheet_look_as_cycles_sees_them(
     assert 0.2 < np.mean(green) < 0.8
 
 
-def test_a_head_of_gold_looks_as_cycles_sees_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    coarsen(monkeypatch)
+def test_a_head_of_gold_looks_as_cycles_sees_it(tmp_path: Path) -> None:
     stage = SCENES["metal_20"]()
     sample_sky_coarsely()
     baked = make(_TEXELS, _SAMPLES).bake(stage, tmp_path)

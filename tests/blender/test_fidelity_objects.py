@@ -19,12 +19,10 @@ from radtex_addon.export.export_manifest import EXTENSION
 from radtex_addon.export.exporting import export_steps
 from radtex_addon.export.gltf import extension_in
 from radtex_addon.formats.containers.glb import Glb
-from radtex_addon.forms.layered.capture import capturing, panoramas
 from radtex_addon.forms.layered.files.layered_files import read_layered_sidecar
 from radtex_addon.job import bake_object, bake_steps, part_specs
 from radtex_addon.textures.export_spec import ExportSpec, Target
 from tests.blender.objects_stage import corner, detailed, pair, view
-from tests.blender.test_fidelity_layered import coarsen
 
 pytestmark = [pytest.mark.usefixtures("temporary"), pytest.mark.one_blender]
 context: Any = bpy.context  # to the stubs, every pointer may be None
@@ -32,17 +30,7 @@ context: Any = bpy.context  # to the stubs, every pointer may be None
 SPEC = BakeSpec(layout=Layout.LAYERED, texels=40, samples=4)
 
 
-def quicken(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let the surroundings be coarse, and objects see themselves by fewer rays."""
-    coarsen(monkeypatch)
-    monkeypatch.setattr(panoramas, "NEAR_WIDTH", 256)
-    monkeypatch.setattr(capturing, "OWN_SIDE", 14)
-
-
-def test_objects_that_share_an_atlas_look_as_cycles_sees_them(
-    out: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    quicken(monkeypatch)
+def test_objects_that_share_an_atlas_look_as_cycles_sees_them(out: Path) -> None:
     stage = pair()
     spec = replace(SPEC, objects=("Ball", "Box"))
     made = bake_object(context.scene, "Pair", spec, out, preview=Filter.QUADRILINEAR)
@@ -65,10 +53,7 @@ def test_a_shared_bake_that_is_resumed_has_the_same_bytes(out: Path) -> None:
     _resumed_alike("Pair", spec, out)
 
 
-def test_parts_with_atlases_of_their_own_mirror_one_another(
-    out: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    quicken(monkeypatch)
+def test_parts_with_atlases_of_their_own_mirror_one_another(out: Path) -> None:
     stage = corner()
     specs = part_specs(context.scene, "Corner", replace(SPEC, split=Split.MATERIAL))
     assert [spec.part for spec in specs] == ["Gold", "Blue"]
@@ -91,8 +76,7 @@ def test_a_split_bake_that_is_resumed_has_the_same_bytes(out: Path) -> None:
     _resumed_alike("Corner", spec, out)
 
 
-def test_a_detailed_object_is_shown_by_a_simple_one(out: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    quicken(monkeypatch)
+def test_a_detailed_object_is_shown_by_a_simple_one(out: Path) -> None:
     stage = detailed()
     spec = replace(SPEC, source="High", extrusion=0.06)
     made = bake_object(context.scene, "Low", spec, out, preview=Filter.QUADRILINEAR)

@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 
 from radtex_addon.core.errors import InputError
-from radtex_addon.forms.layered.capture import capturing, lamps, panoramas
 from tests.bench.fidelity.methods.layered import make
 from tests.bench.fidelity.scenes import Stage
 from tests.blender import odd_stages
@@ -61,19 +60,6 @@ _BY_CAMERA = {
 }
 
 
-@pytest.fixture(autouse=True)
-def coarse(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let the pictures of the surroundings be small."""
-    for module, name, size in (
-        (panoramas, "WORLD_WIDTH", 384),
-        (panoramas, "NEAR_WIDTH", 256),
-        (panoramas, "PICTURE_SIZE", 128),
-        (lamps, "_SIZE", 256),
-        (capturing, "OWN_SIDE", 16),
-    ):
-        monkeypatch.setattr(module, name, size)
-
-
 def check(seen: Seen, expected: Mapping[str, tuple[float, float]]) -> None:
     """Compare each material of a bake to what is expected of it."""
     assert np.isfinite(seen.light).all()
@@ -114,13 +100,13 @@ def test_materials_that_ask_for_the_camera(tmp_path: Path, caplog: pytest.LogCap
 
 @pytest.mark.parametrize(
     ("name", "least"),
-    [("no slot", 28), ("empty slot", 28), ("volume", 20), ("emission", 45), ("black", 45), ("holdout", 45)],
+    [("no slot", 28), ("emission", 45), ("holdout", 45)],
 )
 def test_objects_that_are_odd_all_over(name: str, least: float, tmp_path: Path) -> None:
     seen = looked_at(odd_stages.whole(name), tmp_path, 16)
     assert np.isfinite(seen.light).all()
     assert seen.psnr() > least
-    assert abs(seen.energy() - 1) < (0.45 if name == "volume" else 0.08)
+    assert abs(seen.energy() - 1) < 0.08
 
 
 @pytest.mark.parametrize("name", ["transparent", "alpha 0", "unseen"])
@@ -151,9 +137,7 @@ def test_a_lamp_in_the_middle_of_the_object_is_named(
     assert seen.psnr() > 18
 
 
-@pytest.mark.parametrize(
-    ("name", "least"), [("no world", 60), ("black world", 60), ("own glow", 17), ("a lamp", 29)]
-)
+@pytest.mark.parametrize(("name", "least"), [("no world", 60), ("own glow", 17)])
 def test_hardly_any_surroundings(name: str, least: float, tmp_path: Path) -> None:
     seen = looked_at(odd_stages.surroundings(name), tmp_path, 24)
     assert np.isfinite(seen.light).all()
