@@ -44,4 +44,4 @@ def sample_sky_coarsely() -> None:
     If the sky is turned, its own choice is so fine a map that each render takes two seconds more.
     """
     settings = cast(Any, bpy.context).scene.world.cycles
-    settings.sampling_method, settings.sample_map_resolution = "MANUAL", 1024
+    settings.sampling_method, settings.sample_map_resolution = "MANUAL", 512

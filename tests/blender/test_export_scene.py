@@ -52,6 +52,17 @@ def _box(item: Any) -> tuple[Floats, Floats]:
     return places.min(axis=0), places.max(axis=0)
 
 
+@pytest.fixture(scope="module")
+def made(room: dict[str, Any], tmp_path_factory: pytest.TempPathFactory) -> Exported:
+    """The room as glTF; not to be written to."""
+    return export(room["sidecars"], out=tmp_path_factory.mktemp("exported") / "Room.gltf")
+
+
+@pytest.fixture(scope="module")
+def glb(made: Exported) -> Glb:
+    return Glb.read(made.folder / "Room.glb")
+
+
 @pytest.fixture
 def sidecars(room: dict[str, Any], tmp_path: Path) -> list[Path]:
     """The same in a folder of its own, to be written to."""
@@ -97,9 +108,7 @@ def positions(glb: Glb, node: dict[str, Any]) -> Floats:
     return found
 
 
-def test_each_object_is_a_node_in_its_place(room: dict[str, Any], sidecars: list[Path]) -> None:
-    made = export(sidecars)
-    glb = Glb.read(made.folder / "Room.glb")
+def test_each_object_is_a_node_in_its_place(room: dict[str, Any], glb: Glb) -> None:
     nodes = {node["name"]: node for node in glb.document["nodes"]}
     shown = [glb.document["nodes"][index]["name"] for index in glb.document["scenes"][0]["nodes"]]
     assert sorted(shown) == sorted(NODES)
@@ -113,34 +122,32 @@ def test_each_object_is_a_node_in_its_place(room: dict[str, Any], sidecars: list
     assert np.linalg.norm(nodes["Table"]["translation"]) > 1, "its origin stays where the artist had it"
 
 
-def test_a_node_is_what_an_export_of_its_bake_alone_has(sidecars: list[Path], tmp_path: Path) -> None:
-    scene = Glb.read(export(sidecars).folder / "Room.glb")
-    for sidecar, name in ((sidecars[0], "Ball"), (sidecars[2], "Gem")):
-        alone = Glb.read(
-            finished(export_steps(sidecar, ExportSpec(Target.GLTF), tmp_path / name)).folder / f"{name}.glb"
-        )
+def test_a_node_is_what_an_export_of_its_bake_alone_has(
+    room: dict[str, Any], glb: Glb, tmp_path: Path
+) -> None:
+    for sidecar, name in ((room["sidecars"][0], "Ball"), (room["sidecars"][2], "Gem")):
+        finished(export_steps(sidecar, ExportSpec(Target.GLTF), tmp_path / name))
+        alone = Glb.read(tmp_path / name / f"{name}.glb")
         (theirs,) = alone.document["nodes"]
-        (ours,) = (node for node in scene.document["nodes"] if node["name"] == name)
+        (ours,) = (node for node in glb.document["nodes"] if node["name"] == name)
         assert {**ours, "mesh": 0} == theirs
         both = [
-            glb.document["meshes"][node["mesh"]]["primitives"]
-            for glb, node in ((scene, ours), (alone, theirs))
+            each.document["meshes"][node["mesh"]]["primitives"]
+            for each, node in ((glb, ours), (alone, theirs))
         ]
         for one, two in zip(*both, strict=True):
             for key in one["attributes"]:
-                np.testing.assert_array_equal(
-                    scene.accessor(one["attributes"][key]), alone.accessor(two["attributes"][key])
-                )
-            np.testing.assert_array_equal(scene.accessor(one["indices"]), alone.accessor(two["indices"]))
-            facts = [
-                extension_in(glb.document["materials"][part["material"]])
-                for glb, part in ((scene, one), (alone, two))
-            ]
-            assert facts[0] == facts[1] | {"mesh": "Room.glb"}
+                values = [each.accessor(part["attributes"][key]) for each, part in ((glb, one), (alone, two))]
+                np.testing.assert_array_equal(*values)
+            np.testing.assert_array_equal(glb.accessor(one["indices"]), alone.accessor(two["indices"]))
+            facts, expected = (
+                extension_in(each.document["materials"][part["material"]])
+                for each, part in ((glb, one), (alone, two))
+            )
+            assert facts == expected | {"mesh": "Room.glb"}
 
 
-def test_bounds_are_those_of_the_values(sidecars: list[Path]) -> None:
-    glb = Glb.read(export(sidecars).folder / "Room.glb")
+def test_bounds_are_those_of_the_values(glb: Glb) -> None:
     used = [part["attributes"]["POSITION"] for mesh in glb.document["meshes"] for part in mesh["primitives"]]
     assert len(used) == len(set(used)) == len(NODES) + len(LEVELS) + 1, "Gem has two materials"
     for index in used:
@@ -149,9 +156,10 @@ def test_bounds_are_those_of_the_values(sidecars: list[Path]) -> None:
         np.testing.assert_array_equal(np.float32(accessor["max"]), values.max(axis=0))
 
 
-def test_levels_of_detail_are_in_the_place_of_the_finest(sidecars: list[Path]) -> None:
-    made = export(sidecars)
-    document = Glb.read(made.folder / "Room.glb").document
+def test_levels_of_detail_are_in_the_place_of_the_finest(
+    made: Exported, glb: Glb, room: dict[str, Any], out: Path
+) -> None:
+    document = glb.document
     of_levels = [node for node in document["nodes"] if "extensions" in node]
     (finest,) = of_levels
     assert finest["name"] == "Tree_LOD0"
@@ -160,12 +168,9 @@ def test_levels_of_detail_are_in_the_place_of_the_finest(sidecars: list[Path]) -
     assert "MSFT_lod" in document["extensionsUsed"]
     entries = {entry["node"]: entry for entry in facts_of(made)["scene"]}
     assert [entry["node"] for entry in entries["Tree_LOD0"]["lods"]] == LEVELS
-    assert (
-        "MSFT_lod"
-        not in Glb.read(export(sidecars[:2], out=made.folder.parent / "few").folder / "Room.glb").document[
-            "extensionsUsed"
-        ]
-    )
+    few = export([room["sidecars"][0]] * 2, out=out)
+    assert [entry["node"] for entry in facts_of(few)["scene"]] == ["Ball"], "named twice, it is there once"
+    assert "MSFT_lod" not in Glb.read(few.folder / "Room.glb").document["extensionsUsed"]
 
 
 @pytest.mark.parametrize("target", [each for each in Target if each not in (Target.UNITY, Target.UNREAL)])
@@ -205,11 +210,6 @@ def test_a_folder_has_one_manifest_and_each_texture_once(
         text = (made.folder / "README.txt").read_text(encoding="utf-8")
         assert all(name in text for name in (*NODES, *every))
         assert {"shaders/LICENSE"} < {name for name in made.files if name.startswith("shaders/")}
-
-
-def test_a_bake_that_is_named_twice_is_there_once(sidecars: list[Path]) -> None:
-    made = export([sidecars[0], sidecars[0]])
-    assert [entry["node"] for entry in facts_of(made)["scene"]] == ["Ball"]
 
 
 def test_the_session_is_as_it_was_and_nothing_is_left(sidecars: list[Path], temporary: Path) -> None:

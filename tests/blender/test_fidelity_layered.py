@@ -12,8 +12,9 @@ import bpy
 import numpy as np
 import pytest
 
+from radtex_addon.bake.spec import BakeSpec, Layout, Unwrap
 from radtex_addon.report.gbuffer import BakedSurface
-from tests.bench.fidelity.methods.layered import make
+from tests.bench.fidelity.methods.layered import Layered
 from tests.bench.fidelity.rendering import Rendering, render
 from tests.bench.fidelity.scenes import PIXELS, SCENES, Stage
 from tests.bench.fidelity.scenes.materials import assign, connect, principled
@@ -23,7 +24,8 @@ from tests.blender.objects_stage import looking
 from tests.blender.surroundings import sample_sky_coarsely
 
 pytestmark = pytest.mark.one_blender
-_TEXELS, _SAMPLES, _REFERENCE = 32, 4, 24
+_SPEC = BakeSpec(layout=Layout.LAYERED, texels=32, samples=4, unwrap=Unwrap.BLENDER)
+_REFERENCE = 24  # samples
 
 
 def two_sided_sheet() -> Stage:
@@ -49,7 +51,7 @@ def two_sided_sheet() -> Stage:
 
 def test_both_sides_of_a_sheet_look_as_cycles_sees_them(tmp_path: Path) -> None:
     stage = two_sided_sheet()
-    baked = make(_TEXELS, _SAMPLES).bake(stage, tmp_path)
+    baked = Layered(_SPEC).bake(stage, tmp_path)
     surface = BakedSurface(baked.mesh, baked.matrix_world, baked.uv_layer)
     green = []
     for camera in stage.tuning:
@@ -68,7 +70,7 @@ def test_both_sides_of_a_sheet_look_as_cycles_sees_them(tmp_path: Path) -> None:
 def test_a_head_of_gold_looks_as_cycles_sees_it(tmp_path: Path) -> None:
     stage = SCENES["metal_20"]()
     sample_sky_coarsely()
-    baked = make(_TEXELS, _SAMPLES).bake(stage, tmp_path)
+    baked = Layered(_SPEC).bake(stage, tmp_path)
     camera = stage.tuning[0]
     rays = looking(camera)
     surface = BakedSurface(baked.mesh, baked.matrix_world, baked.uv_layer)

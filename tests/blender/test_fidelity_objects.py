@@ -13,7 +13,7 @@ import bpy
 import pytest
 
 from radtex_addon.bake.progress import Progress, Stage, finished
-from radtex_addon.bake.spec import BakeSpec, Layout, Split
+from radtex_addon.bake.spec import BakeSpec, Layout, Split, Unwrap
 from radtex_addon.core.sampler import Filter
 from radtex_addon.export.export_manifest import EXTENSION
 from radtex_addon.export.exporting import export_steps
@@ -27,7 +27,7 @@ from tests.blender.objects_stage import corner, detailed, pair, view
 pytestmark = [pytest.mark.usefixtures("temporary"), pytest.mark.one_blender]
 context: Any = bpy.context  # to the stubs, every pointer may be None
 
-SPEC = BakeSpec(layout=Layout.LAYERED, texels=40, samples=4)
+SPEC = BakeSpec(layout=Layout.LAYERED, texels=40, samples=4, unwrap=Unwrap.BLENDER)
 
 
 def test_objects_that_share_an_atlas_look_as_cycles_sees_them(out: Path) -> None:
@@ -35,6 +35,7 @@ def test_objects_that_share_an_atlas_look_as_cycles_sees_them(out: Path) -> None
     spec = replace(SPEC, objects=("Ball", "Box"))
     made = bake_object(context.scene, "Pair", spec, out, preview=Filter.QUADRILINEAR)
     front, behind = (view(stage, camera, [made.files.sidecar]) for camera in stage.tuning)
+    print(front.psnr(), behind.psnr())
     assert front.psnr() > 25
     assert behind.psnr() > 28
     facts = read_layered_sidecar(made.files.sidecar)
@@ -63,6 +64,7 @@ def test_parts_with_atlases_of_their_own_mirror_one_another(out: Path) -> None:
     ]
     assert [len(read_layered_sidecar(sidecar).materials) for sidecar in found] == [1, 1]
     front, behind = (view(stage, camera, found) for camera in stage.tuning)
+    print(front.psnr(), behind.psnr())
     assert front.psnr() > 29
     assert behind.psnr() > 26
     exported = finished(export_steps(found[1], ExportSpec(Target.GLTF))).folder
@@ -70,17 +72,12 @@ def test_parts_with_atlases_of_their_own_mirror_one_another(out: Path) -> None:
     assert len(mesh["primitives"]) == 1
 
 
-def test_a_split_bake_that_is_resumed_has_the_same_bytes(out: Path) -> None:
-    corner()
-    spec = replace(SPEC, texels=24, samples=1, split=Split.MATERIAL, part="Blue")
-    _resumed_alike("Corner", spec, out)
-
-
 def test_a_detailed_object_is_shown_by_a_simple_one(out: Path) -> None:
     stage = detailed()
     spec = replace(SPEC, source="High", extrusion=0.06)
     made = bake_object(context.scene, "Low", spec, out, preview=Filter.QUADRILINEAR)
     front, behind = (view(stage, camera, [made.files.sidecar]) for camera in stage.tuning)
+    print(front.psnr(), behind.psnr())
     assert front.psnr() > 24.5
     assert behind.psnr() > 24.5
     assert len(read_layered_sidecar(made.files.sidecar).materials) == 2

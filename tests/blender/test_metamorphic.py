@@ -14,10 +14,7 @@ pytestmark = pytest.mark.one_blender
 QUICK = (
     "the scene mirrored",
     "sheared by a parent",
-    "modifiers applied",
     "everything renamed",
-    "settings of pictures",
-    "reflection and incident",
 )
 
 

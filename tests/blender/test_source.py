@@ -71,8 +71,8 @@ def balls(bumps: float = BUMP) -> None:
     )
 
 
-def bake(out: Path, spec: BakeSpec = SPEC) -> Floats:
-    return read_buckets(bake_object(context.scene, "Low", spec, out).files.sidecar)[0]
+def bake(out: Path, spec: BakeSpec = SPEC, resume: bool = False) -> Floats:
+    return read_buckets(bake_object(context.scene, "Low", spec, out, resume=resume).files.sidecar)[0]
 
 
 def prepared_low(spec: BakeSpec) -> tuple[Prepared, list[bpy.types.ID]]:
@@ -91,8 +91,14 @@ def cells_of(image: Floats, bucket: int) -> Floats:
 def test_texels_show_the_points_that_rays_find(out: Path) -> None:
     balls()
     before = fingerprint()
-    image = bake(out)
+    made = bake_object(context.scene, "Low", SPEC, out)
     assert differences(before, fingerprint()) == {}
+    image, facts = read_buckets(made.files.sidecar)
+    assert (facts.object_name, facts.source) == ("Low", Source("High", 0.3, 0))
+    assert size_of(facts, "")[0] == facts.width * SPEC.bucket
+    radius = np.linalg.norm((cells_of(image, SPEC.bucket)[..., :3] - 0.5) * 4, axis=-1)
+    assert radius.max() > 1 + BUMP / 2, "what stands out"
+    assert radius.min() < 1 - BUMP / 2, "what lies below"
     plain, _ = prepared_low(replace(SPEC, source=None, extrusion=None))
     texels = plain.texels()
     high = bpy.data.objects["High"]
@@ -106,30 +112,6 @@ def test_texels_show_the_points_that_rays_find(out: Path) -> None:
     print(f"\nof {len(gaps)} texels the places that cells show are off by {max(gaps):.2g} at most")
     assert len(gaps) > 60
     assert max(gaps) < 2e-3
-
-
-@pytest.mark.one_blender
-def test_bumps_that_stand_out_of_the_low_surface_and_lie_below_it_are_found(out: Path) -> None:
-    balls()
-    place = (cells_of(bake(out), SPEC.bucket)[..., :3] - 0.5) * 4
-    radius = np.linalg.norm(place, axis=-1)
-    assert radius.max() > 1 + BUMP / 2
-    assert radius.min() < 1 - BUMP / 2
-
-
-@pytest.mark.one_blender
-def test_the_sidecar_says_where_the_light_is_from(out: Path) -> None:
-    balls()
-    made = bake_object(context.scene, "Low", SPEC, out)
-    facts = read_sidecar(made.files.sidecar)
-    assert (facts.object_name, facts.source) == ("Low", Source("High", 0.3, 0))
-    assert size_of(facts, "")[0] == facts.width * SPEC.bucket
-    assert (
-        read_sidecar(
-            bake_object(context.scene, "High", BakeSpec(texels=32, samples=1), out).files.sidecar
-        ).source
-        is None
-    )
 
 
 @pytest.mark.one_blender
@@ -249,25 +231,6 @@ def test_where_a_cage_touches_only_what_lies_there_is_found() -> None:
 
 
 @pytest.mark.one_blender
-def test_a_resumed_bake_has_the_same_cage(out: Path) -> None:
-    balls()
-    cage = cage_around(lambda _: 0.3)
-    cage.hide_render = True
-    spec = replace(SPEC, extrusion=None, cage="Cage")
-    whole = bake(out / "whole", spec)
-    for folder in (out, out / "other"):
-        steps = bake_steps(context.scene, "Low", spec, folder)
-        for step in steps:
-            if step.stage == "fill":
-                steps.close()
-    resumed = bake_object(context.scene, "Low", spec, out, resume=True)
-    np.testing.assert_array_equal(read_buckets(resumed.files.sidecar)[0], whole)
-    cage.data.vertices[40].co *= 0.95  # within the same bounds
-    with pytest.raises(InputError, match=r"differs in .*cage's mesh"):
-        bake_object(context.scene, "Low", spec, out / "other", resume=True)
-
-
-@pytest.mark.one_blender
 @pytest.mark.parametrize(
     ("cage", "words"),
     [
@@ -336,31 +299,25 @@ def test_lamps_are_met_from_the_high_surface_and_the_low_one_casts_no_shadow(out
 
 
 @pytest.mark.one_blender
-def test_a_bake_goes_on_where_it_stopped_unless_the_source_has_changed(out: Path) -> None:
+@pytest.mark.parametrize("caged", [False, True])
+def test_a_bake_goes_on_where_it_stopped_unless_the_source_has_changed(out: Path, caged: bool) -> None:
     balls()
-    whole = bake(out / "whole")
-    steps = bake_steps(context.scene, "Low", SPEC, out)
-    for step in steps:
-        if step.stage == "fill":
-            steps.close()
-    resumed = bake_object(context.scene, "Low", SPEC, out, resume=True)
-    np.testing.assert_array_equal(read_buckets(resumed.files.sidecar)[0], whole)
-    steps = bake_steps(context.scene, "Low", SPEC, out / "other")
-    for step in steps:
-        if step.stage == "fill":
-            steps.close()
-    bpy.data.objects["High"].data.vertices[0].co.z += 0.1
-    with pytest.raises(InputError, match=r"differs in .*source's mesh"):
-        bake_object(context.scene, "Low", SPEC, out / "other", resume=True)
-
-
-def test_the_preview_shows_the_low_object_without_the_high_one(out: Path) -> None:
-    balls()
-    made = bake_object(context.scene, "Low", SPEC, out, preview=Filter.NEAREST)
-    assert not bpy.data.objects["High"].hide_render
-    bpy.ops.wm.open_mainfile(filepath=str(made.files.preview))
-    assert "High" not in bpy.data.objects
-    assert not bpy.data.objects["Low"].hide_render
+    changing = bpy.data.objects["High"].data.vertices[0]
+    spec = SPEC
+    if caged:
+        cage = cage_around(lambda _: 0.3)
+        cage.hide_render = True
+        changing, spec = cage.data.vertices[40], replace(SPEC, extrusion=None, cage="Cage")
+    whole = bake(out / "whole", spec)
+    for folder in (out, out / "other"):
+        steps = bake_steps(context.scene, "Low", spec, folder)
+        for step in steps:
+            if step.stage == "fill":
+                steps.close()
+    np.testing.assert_array_equal(bake(out, spec, resume=True), whole)
+    changing.co *= 0.95  # within the same bounds
+    with pytest.raises(InputError, match=rf"differs in .*{'cage' if caged else 'source'}'s mesh"):
+        bake_object(context.scene, "Low", spec, out / "other", resume=True)
 
 
 def hidden(name: str) -> tuple[bool, bool]:
@@ -407,7 +364,7 @@ def _result(steps: Generator[Any, None, Comparison]) -> Comparison:
 
 
 @pytest.mark.one_blender
-def test_a_comparison_is_with_the_high_object(out: Path) -> None:
+def test_a_comparison_is_with_the_high_object_and_the_preview_without_it(out: Path) -> None:
     balls()
     made = bake_object(context.scene, "Low", SPEC, out, preview=Filter.QUADRILINEAR)
     bpy.ops.object.camera_add(location=(0, -5, 0), rotation=(np.pi / 2, 0, 0))
@@ -418,6 +375,10 @@ def test_a_comparison_is_with_the_high_object(out: Path) -> None:
     print(f"\n{found.figures.psnr:.1f} dB")
     assert found.traced.max() < 2, "the low object is seen"
     assert found.figures.psnr > 30
+    assert not bpy.data.objects["High"].hide_render
+    bpy.ops.wm.open_mainfile(filepath=str(made.files.preview))
+    assert "High" not in bpy.data.objects
+    assert not bpy.data.objects["Low"].hide_render
 
 
 @pytest.mark.one_blender
