@@ -20,13 +20,13 @@ from radtex_addon.report.gbuffer import Array, BakedSurface, Rays
 from radtex_addon.report.metrics import Mask, Picture
 from radtex_addon.scene.preview_file import baked_copy
 from tests.bench.fidelity.rendering import Rendering, render
-from tests.bench.fidelity.scenes import PIXELS, Stage
+from tests.bench.fidelity.scenes import Stage
 from tests.bench.fidelity.scenes.materials import assign, checker, principled
 from tests.bench.fidelity.scenes.meshes import made, move_to, places
 from tests.bench.fidelity.scenes.stage import start
 from tests.blender.surroundings import sample_sky_coarsely
 
-_REFERENCE = 24  # samples of the path-traced picture
+PIXELS, _REFERENCE = 96, 24  # of a path-traced picture's side, and its samples
 
 
 def pair() -> Stage:
@@ -195,7 +195,9 @@ def _path_traced(stage: Stage, camera: bpy.types.Object, sidecars: list[Path]) -
     for item in hidden:
         item.hide_render = True
     try:
-        picture: Picture = render(stage, camera, Rendering(_REFERENCE, 1, alone=False))[..., :3]
+        picture: Picture = render(stage, camera, Rendering(_REFERENCE, 1, alone=False, pixels=PIXELS))[
+            ..., :3
+        ]
     finally:
         for item in hidden:
             item.hide_render = False

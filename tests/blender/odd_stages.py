@@ -144,7 +144,6 @@ def whole(name: str) -> Stage:
     _start(sky=True)
     known: dict[str, list[bpy.types.Material | None]] = {
         "no slot": [],
-        "emission": [material("emission", node("Emission", Color=GREEN, Strength=2.0))],
         "transparent": [material("transparent", CLEAR)],
         "holdout": [material("holdout", node("Holdout"))],
         "alpha 0": [material("alpha 0", node("BsdfPrincipled", Base_Color=RED, Alpha=0.0))],
@@ -219,17 +218,8 @@ def room() -> Stage:
     return stage
 
 
-def shell() -> Stage:
-    """An object that encloses another: a ball around a ball."""
-    return _around_a_ball(PRINCIPLED)
-
-
 def glass_shell() -> Stage:
-    """The same, clear."""
-    return _around_a_ball(node("BsdfGlass", IOR=1.1))
-
-
-def _around_a_ball(shader: Shader) -> Stage:
+    """A clear ball around another."""
     _start(sky=True)
     bpy.ops.mesh.primitive_uv_sphere_add(segments=32, ring_count=16, radius=0.4)
     bpy.ops.object.shade_smooth()
@@ -237,5 +227,5 @@ def _around_a_ball(shader: Shader) -> Stage:
     bpy.ops.mesh.primitive_uv_sphere_add(segments=32, ring_count=16, radius=1.0)
     item = as_subject(made())
     bpy.ops.object.shade_smooth()
-    cast(Any, item.data).materials.append(material("shell", shader))
+    cast(Any, item.data).materials.append(material("shell", node("BsdfGlass", IOR=1.1)))
     return stage_of(item)

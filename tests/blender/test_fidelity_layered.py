@@ -16,11 +16,11 @@ from radtex_addon.bake.spec import BakeSpec, Layout, Unwrap
 from radtex_addon.report.gbuffer import BakedSurface
 from tests.bench.fidelity.methods.layered import Layered
 from tests.bench.fidelity.rendering import Rendering, render
-from tests.bench.fidelity.scenes import PIXELS, SCENES, Stage
+from tests.bench.fidelity.scenes import SCENES, Stage
 from tests.bench.fidelity.scenes.materials import assign, connect, principled
 from tests.bench.fidelity.scenes.meshes import as_subject, made, move_to, places
 from tests.bench.fidelity.scenes.stage import finish, start
-from tests.blender.objects_stage import looking
+from tests.blender.objects_stage import PIXELS, looking
 from tests.blender.surroundings import sample_sky_coarsely
 
 pytestmark = pytest.mark.one_blender
@@ -57,9 +57,10 @@ def test_both_sides_of_a_sheet_look_as_cycles_sees_them(tmp_path: Path) -> None:
     for camera in stage.tuning:
         seen = surface.gbuffer(looking(camera), np.full(PIXELS**2, 1e9))
         picture = seen.resolve(baked.radiance(seen))
-        reference = render(stage, camera, Rendering(_REFERENCE, 1, alone=False))[..., :3]
+        reference = render(stage, camera, Rendering(_REFERENCE, 1, alone=False, pixels=PIXELS))[..., :3]
         inside = seen.eroded
         shown, expected = (np.clip(image[inside], 0, 1) ** (1 / 2.2) for image in (picture, reference))
+        print(-10 * np.log10(((shown - expected) ** 2).mean()))
         assert -10 * np.log10(((shown - expected) ** 2).mean()) > 24
         side = expected[:, 1] > expected[:, 0]
         green.append(side.mean())
@@ -76,9 +77,10 @@ def test_a_head_of_gold_looks_as_cycles_sees_it(tmp_path: Path) -> None:
     surface = BakedSurface(baked.mesh, baked.matrix_world, baked.uv_layer)
     seen = surface.gbuffer(rays, np.full(len(rays.away), 1e9))
     picture = seen.resolve(baked.radiance(seen))
-    reference = render(stage, camera, Rendering(_REFERENCE, 1, alone=False))[..., :3]
+    reference = render(stage, camera, Rendering(_REFERENCE, 1, alone=False, pixels=PIXELS))[..., :3]
     inside = seen.eroded
     shown, expected = (np.clip(image[inside], 0, 1) ** (1 / 2.2) for image in (picture, reference))
     error = -10 * np.log10(((shown - expected) ** 2).mean())
+    print(error)
     assert error > 21
     assert abs(shown.mean() / expected.mean() - 1) < 0.04

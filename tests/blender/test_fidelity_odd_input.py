@@ -92,7 +92,7 @@ def test_alpha_of_every_kind(tmp_path: Path) -> None:
 
 def test_materials_that_ask_for_the_camera(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
     """Those that a bake cannot know are named; what they look like then is not checked."""
-    check(looked_at(odd_stages.by_camera(), tmp_path, 64), _BY_CAMERA)
+    check(looked_at(odd_stages.by_camera(), tmp_path, 48), _BY_CAMERA)
     lines = [record.getMessage() for record in caplog.records if "camera of its own" in record.getMessage()]
     named = {line.split("'")[1]: line.split("'")[5] for line in lines}
     assert named == {"view distance": "View Distance", "ray length": "Ray Length", "window": "Window"}
@@ -100,7 +100,7 @@ def test_materials_that_ask_for_the_camera(tmp_path: Path, caplog: pytest.LogCap
 
 @pytest.mark.parametrize(
     ("name", "least"),
-    [("no slot", 28), ("emission", 45), ("holdout", 45)],
+    [("no slot", 28), ("holdout", 45)],
 )
 def test_objects_that_are_odd_all_over(name: str, least: float, tmp_path: Path) -> None:
     seen = looked_at(odd_stages.whole(name), tmp_path, 16)
@@ -147,8 +147,8 @@ def test_hardly_any_surroundings(name: str, least: float, tmp_path: Path) -> Non
 
 @pytest.mark.parametrize(
     ("stage", "least"),
-    [(odd_stages.room, 24), (odd_stages.shell, 31), (odd_stages.glass_shell, 16)],
-    ids=["room", "shell", "glass shell"],
+    [(odd_stages.room, 24), (odd_stages.glass_shell, 16)],
+    ids=["room", "glass shell"],
 )
 def test_objects_that_enclose_the_camera_or_others(
     stage: Callable[[], Stage], least: float, tmp_path: Path

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -94,27 +95,22 @@ def test_light_passes_add_up_to_the_whole_and_base_and_rest_do(out: Path) -> Non
 
 
 @pytest.mark.one_blender
-@pytest.mark.parametrize("seconds", [1e-4, 100.0])
-def test_the_clock_changes_nothing_of_what_stands_in_a_volume(
-    out: Path, seconds: float, monkeypatch: pytest.MonkeyPatch
+def test_neither_the_clock_nor_layers_change_what_stands_in_a_volume(
+    out: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Tiles of any height would, in Blender 5: Cycles learns volumes from neighbouring pixels."""
     busy_object()
     spec = BakeSpec(texels=16, bucket=4, samples=2, seed=3)
-    first = read_buckets(bake_object(context.scene, "Ball", spec, out / "first").files.sidecar)[0]
-    monkeypatch.setattr(session, "SECONDS_PER_TILE", seconds)
-    second = read_buckets(bake_object(context.scene, "Ball", spec, out / "second").files.sidecar)[0]
-    assert np.array_equal(first, second)
 
+    def baked(name: str, layers: tuple[Layer, ...] = ()) -> Floats:
+        made = bake_object(context.scene, "Ball", replace(spec, layers=layers), out / name)
+        return read_buckets(made.files.sidecar)[0]
 
-@pytest.mark.one_blender
-def test_layers_change_nothing_of_the_whole(out: Path) -> None:
-    busy_object()
-    spec = BakeSpec(texels=16, bucket=4, samples=2, seed=3)
-    alone = read_buckets(bake_object(context.scene, "Ball", spec, out / "alone").files.sidecar)[0]
-    layered = BakeSpec(texels=16, bucket=4, samples=2, seed=3, layers=(Layer.BASE, Layer.GLOSSY))
-    beside = read_buckets(bake_object(context.scene, "Ball", layered, out / "layered").files.sidecar)[0]
-    assert np.array_equal(alone, beside)
+    first = baked("first")
+    assert np.array_equal(first, baked("layers", (Layer.BASE, Layer.GLOSSY)))
+    for seconds in (1e-4, 100.0):
+        monkeypatch.setattr(session, "SECONDS_PER_TILE", seconds)
+        assert np.array_equal(first, baked(str(seconds))), seconds
 
 
 @pytest.mark.one_blender

@@ -77,14 +77,10 @@ def test_braces_in_names_of_folders_are_no_templates(
     assert len(list(out.iterdir())) == files or files is None
     assert list(braced.iterdir()) == []
     assert {path.name for path in braced.parent.iterdir()} == {braced.name, out.name}
-
-
-def test_a_comparison_renders_into_such_a_folder(room: Path, braced: Path, batch: Batch) -> None:
-    out = braced.parent / "out"
-    assert batch(room, "--object", "Ball", *QUICK, "--save-preview", "--out", out).code == 0
-    view = (ABOVE, FLAT, *FEW_PIXELS)
-    ended = batch("compare", room, "--object", "Ball", "--bake", out, "--out", out, *view)
-    assert ended.code == 0, ended.err
+    if picture:
+        view = (ABOVE, FLAT, *FEW_PIXELS)
+        ended = batch("compare", room, "--object", "Ball", "--bake", out, "--out", out, *view)
+        assert ended.code == 0, ended.err
 
 
 @pytest.mark.parametrize(
@@ -164,7 +160,7 @@ def test_an_atlas_that_cannot_be_read_any_more_is_no_wrong_request(tmp_path: Pat
 # Blender's window
 
 
-@pytest.mark.parametrize("mode", ["OBJECT", "EDIT", "SCULPT"])
+@pytest.mark.parametrize("mode", ["EDIT", "SCULPT"])
 def test_a_bake_with_a_preview_keeps_the_active_object_and_its_mode(
     mode: Any, room: Path, tmp_path: Path
 ) -> None:

@@ -53,11 +53,16 @@ def osl_shader(atlas: Path, kind: Filter) -> Shader:
     return shader
 
 
+def osl_stage() -> LookupStage:
+    stage = LookupStage(cast(bpy.types.Scene, bpy.context.scene), "CYCLES")
+    cast(Any, stage.scene).cycles.shading_system = True
+    return stage
+
+
 def test_the_script_node_agrees_with_the_reference(tmp_path: Path) -> None:
     atlas, lookups = random_atlas(), random_lookups()
     path = write_exr(tmp_path / "random.exr", atlas)
-    stage = LookupStage(cast(bpy.types.Scene, bpy.context.scene), "CYCLES")
-    cast(Any, stage.scene).cycles.shading_system = True
+    stage = osl_stage()
     for kind in Filter:
         stage.add(lookups, osl_shader(path, kind))
     for kind, result in zip(Filter, stage.render(tmp_path / "answers.exr"), strict=True):
@@ -80,8 +85,7 @@ def test_a_ray_stands_in_for_the_viewer(tmp_path: Path) -> None:
         build.feed(node.inputs["Ray"], build.vector("SCALE", inputs[4], -1.0))
         return node.outputs["Color"], node.outputs["Alpha"]
 
-    stage = LookupStage(cast(bpy.types.Scene, bpy.context.scene), "CYCLES")
-    cast(Any, stage.scene).cycles.shading_system = True
+    stage = osl_stage()
     stage.add(lookups, plain)
     (result,) = stage.render(tmp_path / "answers.exr")
     error = relative_error(result, hit_answers(atlas, lookups))
@@ -90,26 +94,29 @@ def test_a_ray_stands_in_for_the_viewer(tmp_path: Path) -> None:
 
 
 @pytest.mark.one_blender
-@pytest.mark.parametrize("linked", [("UV", "Tangent", "Sign"), ("UV", "Normal", "Tangent", "Sign")])
-def test_unlinked_vectors_are_the_shaded_point_s_own(linked: tuple[str, ...], tmp_path: Path) -> None:
+def test_unlinked_vectors_are_the_shaded_point_s_own(tmp_path: Path) -> None:
     """Seen from straight above: without a normal every lookup is the pole of its bucket."""
     atlas, lookups = random_atlas(), random_lookups()
     path = write_exr(tmp_path / "random.exr", atlas)
-    stage = LookupStage(cast(bpy.types.Scene, bpy.context.scene), "CYCLES")
-    cast(Any, stage.scene).cycles.shading_system = True
+    stage = osl_stage()
 
-    def shader(build: NodeBuilder, inputs: Inputs) -> tuple[Socket, ...]:
-        node = osl.add_osl_node(build.tree, path, LAYOUT, Filter.LINEAR)
-        for name, source in zip(("UV", "Normal", "Tangent", "Sign"), inputs, strict=False):
-            if name in linked:
-                build.feed(node.inputs[name], source)
-        return node.outputs["Color"], node.outputs["Alpha"]
+    def shader_of(linked: tuple[str, ...]) -> Shader:
+        def shader(build: NodeBuilder, inputs: Inputs) -> tuple[Socket, ...]:
+            node = osl.add_osl_node(build.tree, path, LAYOUT, Filter.LINEAR)
+            for name, source in zip(("UV", "Normal", "Tangent", "Sign"), inputs, strict=False):
+                if name in linked:
+                    build.feed(node.inputs[name], source)
+            return node.outputs["Color"], node.outputs["Alpha"]
 
-    stage.add(lookups, shader)
-    (result,) = stage.render(tmp_path / "answers.exr")
+        return shader
+
     up = np.tile(np.array([0, 0, 1], np.float32), (len(lookups.uv), 1))
-    normal = lookups.normal if "Normal" in linked else up
-    assert worst_error(result, atlas, replace(lookups, normal=normal, viewer=up), Filter.LINEAR)[0] <= 2e-3
+    normals = {("UV", "Tangent", "Sign"): up, ("UV", "Normal", "Tangent", "Sign"): lookups.normal}
+    for linked in normals:
+        stage.add(lookups, shader_of(linked))
+    for (linked, normal), result in zip(normals.items(), stage.render(tmp_path / "answers.exr"), strict=True):
+        seen = replace(lookups, normal=normal, viewer=up)
+        assert worst_error(result, atlas, seen, Filter.LINEAR)[0] <= 2e-3, linked
 
 
 def test_a_shader_that_does_not_compile_is_refused_and_leaves_nothing(tmp_path: Path) -> None:

@@ -230,13 +230,6 @@ def test_a_picture_of_a_preview_has_the_size_that_is_asked_for(tmp_path: Path) -
 
 
 @pytest.mark.one_blender
-def test_a_low_resolution_percentage_is_no_obstacle(tmp_path: Path) -> None:
-    small_scene()
-    context.scene.render.resolution_percentage = 10
-    bake_object(context.scene, "Ball", PLAIN, tmp_path / "out")
-
-
-@pytest.mark.one_blender
 def test_a_view_layer_s_own_world_is_the_one_that_lights(tmp_path: Path) -> None:
     small_scene()
     for item in [item for item in bpy.data.objects if item.type == "LIGHT"]:

@@ -17,13 +17,11 @@ from radtex_addon.bake.light_samples import EndSamples, mirrored
 from radtex_addon.bake.plan import CapturePlan
 from radtex_addon.bake.progress import finished
 from radtex_addon.core.arrays import Floats
-from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.frame import normalised
 from radtex_addon.cycles.path_ends import Body, PathEnds, path_ends
 from radtex_addon.cycles.sampling import capture_ends, capture_samples
 from radtex_addon.scene.mesh.render_contents import read_beside
 from radtex_addon.scene.scratch import scratch_scene
-from tests.bench.fidelity.single_paths import SurroundingsSamples, capture_colour, capture_surroundings
 from tests.blender import stage
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
@@ -84,13 +82,6 @@ def ends_in_scratch(baked: Any, middle: tuple[float, ...]) -> Iterator[tuple[bpy
 def ends_of(baked: Any, folder: Path, plan: CapturePlan, middle: tuple[float, ...] = (0, 0, 0)) -> EndSamples:
     with ends_in_scratch(baked, middle) as (_, ends):
         return capture_ends(ends, plan, 3, folder)
-
-
-def surroundings_of(
-    baked: Any, folder: Path, plan: CapturePlan, middle: tuple[float, ...] = (0, 0, 0)
-) -> SurroundingsSamples:
-    with ends_in_scratch(baked, middle) as (scene, ends):
-        return capture_surroundings(scene, ends, plan, np.array(middle), 3, folder)
 
 
 def starts(plan: CapturePlan) -> Floats:
@@ -283,80 +274,3 @@ def test_the_object_stays_where_it_renders(trouble: str, tmp_path: Path) -> None
     found = ends_of(baked, tmp_path, plan)
     weight = np.broadcast_to(TINT[:3], (6, 16, 3))
     np.testing.assert_allclose(found.mirrored_weight.astype(float), weight, rtol=2e-3)
-
-
-# the surroundings
-
-
-@pytest.mark.one_blender
-def test_the_world_is_seen_where_it_is(tmp_path: Path) -> None:
-    made = stage.world()
-    tree = made.node_tree
-    direction = tree.nodes.new("ShaderNodeTexCoord").outputs["Generated"]
-    coded: Any = tree.nodes.new("ShaderNodeVectorMath")
-    coded.operation = "MULTIPLY_ADD"
-    coded.inputs[1].default_value = coded.inputs[2].default_value = (0.5, 0.5, 0.5)
-    tree.links.new(direction, coded.inputs[0])
-    background = next(node for node in tree.nodes if node.type == "BACKGROUND")
-    tree.links.new(coded.outputs[0], background.inputs["Color"])
-    plan = upward(12, 6)
-    found = surroundings_of(card(), tmp_path, plan)
-    assert found.direction.shape == found.radiance.shape == (12 * 36, 3)
-    np.testing.assert_allclose(found.radiance, found.direction / 2 + 0.5, atol=1e-4)
-    np.testing.assert_allclose(np.linalg.norm(found.direction, axis=1), 1, atol=1e-3)
-    np.testing.assert_allclose(found.nearness, 0, atol=1e-2)
-    assert (found.direction[:, 2] > 0).all()
-
-
-@pytest.mark.one_blender
-def test_a_ceiling_is_as_near_as_it_is(tmp_path: Path) -> None:
-    baked = card()
-    ceiling = card("ShaderNodeEmission", size=2000, Strength=2.0)
-    ceiling.location.z = 3
-    found = surroundings_of(baked, tmp_path, upward(12, 6), middle=(0.2, 0.1, -1))
-    up = found.direction[:, 2] > 0.2
-    assert up.mean() > 0.5
-    expected = np.broadcast_to(np.array(TINT[:3]) * 2, found.radiance.shape)
-    np.testing.assert_allclose(found.radiance[up], expected[up], rtol=1e-3)
-    np.testing.assert_allclose(found.nearness[up], found.direction[up, 2] / 4, rtol=2e-2)
-
-
-@pytest.mark.one_blender
-def test_a_lamp_is_seen(tmp_path: Path) -> None:
-    baked = card()
-    bpy.ops.object.light_add(type="AREA", location=(0, 0, 1))
-    lamp = context.object.data
-    lamp.size, lamp.energy = 2, 40
-    found = surroundings_of(baked, tmp_path, upward(12, 12))
-    bright = found.radiance[:, 0] > 0
-    assert 0.1 < bright.mean() < 0.6
-    np.testing.assert_allclose(found.radiance[bright], 40 / (2**2 * np.pi), rtol=1e-3)  # watts, area, pi
-
-
-@pytest.mark.one_blender
-def test_the_object_itself_is_left_out(tmp_path: Path) -> None:
-    stage.world()
-    plan = upward(12, 6)
-    alone = surroundings_of(corner(card()), tmp_path, plan)
-    assert 0.5 * 12 * 36 < len(alone.direction) < 0.9 * 12 * 36
-    np.testing.assert_allclose(alone.radiance, 1, atol=1e-4)
-
-
-# the colour
-
-
-@pytest.mark.one_blender
-def test_the_colour_lies_where_its_texels_lie(tmp_path: Path) -> None:
-    stage.world()
-    card()
-    row = upward(8, 1)
-    plan = CapturePlan(AtlasLayout(4, 4, 1), np.arange(8) + 4, *fields_of(row))
-    with scratch() as scene:
-        colour = capture_colour(scene, plan, 0, tmp_path)
-    assert colour.shape == (4, 4, 3)
-    np.testing.assert_allclose(colour, np.broadcast_to(TINT[:3], (4, 4, 3)), atol=1e-4)
-
-
-def fields_of(plan: CapturePlan) -> list[Any]:
-    fields = (plan.position, plan.tangent, plan.bitangent, plan.normal, plan.facet)
-    return [field.reshape(4, 2, 3).repeat(2, axis=1)[:, :4] for field in fields]

@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import inf, nan
 from pathlib import Path
 from typing import Any
 
@@ -297,11 +296,6 @@ def test_other_types_are_refused(add: Callable[[], object], message: str) -> Non
     refused(context.object, message)
 
 
-def test_no_faces(cube: Any) -> None:
-    cube.data.clear_geometry()
-    refused(cube, r"object 'Cube' has no faces in renders: give it some")
-
-
 def test_no_faces_after_modifiers(cube: Any) -> None:
     cube.modifiers.new("none", "MASK").mode = "ARMATURE"
     assert len(cube.data.polygons) == 6
@@ -381,17 +375,6 @@ def test_adaptive_subdivision_is_refused_by_name(cube: Any) -> None:
         context.scene.cycles.feature_set = "EXPERIMENTAL"
         cube.cycles.use_adaptive_subdivision = True
     refused(cube, r"object 'Cube': its modifier 'dice' subdivides adaptively, by the camera: turn")
-
-
-@pytest.mark.parametrize("value", [inf, nan])
-def test_coordinates_that_are_not_finite(cube: Any, value: float) -> None:
-    cube.data.vertices[0].co.x = value
-    refused(cube, r"object 'Cube' has 1 vertices whose coordinates are not finite: delete them")
-
-
-def test_no_extent_along_an_axis(cube: Any) -> None:
-    cube.scale.y = 0
-    refused(cube, r"object 'Cube' is scaled to nothing along an axis: give every axis a scale")
 
 
 def test_rigid_bodies_must_be_baked(cube: Any) -> None:
