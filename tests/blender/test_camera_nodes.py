@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Materials that ask where the camera is are named before a bake."""
+"""Materials that ask where the camera is, and volumes around the object, are named before a bake."""
 
 from __future__ import annotations
 
@@ -13,6 +13,8 @@ import pytest
 from radtex_addon.bake.spec import BakeSpec, Kind
 from radtex_addon.job.checks import check_request
 from radtex_addon.scene.checks.camera_nodes import camera_materials
+from radtex_addon.scene.checks.enclosing_volumes import volumes_around
+from tests.blender import stage
 from tests.blender.stage import material, world
 
 
@@ -66,3 +68,29 @@ def test_bakes_of_what_is_seen_warn(item: bpy.types.Object, tmp_path: Path) -> N
 
     assert warned(Kind.RADIANCE)
     assert not warned(Kind.INCIDENT)
+
+
+def cube(size: float, place: tuple[float, float, float], volume: bool) -> bpy.types.Object:
+    bpy.ops.mesh.primitive_cube_add(size=size, location=place)
+    item = bpy.context.object
+    assert item is not None
+    made = stage.material("m", "ShaderNodeBsdfDiffuse")
+    if volume:
+        tree = made.node_tree
+        output = next(node for node in tree.nodes if node.type == "OUTPUT_MATERIAL")
+        tree.links.new(tree.nodes.new("ShaderNodeVolumePrincipled").outputs[0], output.inputs["Volume"])
+    item.data.materials.append(made)
+    return item
+
+
+def test_only_rendered_volumes_that_reach_the_object_are_named() -> None:
+    baked = cube(1, (0, 0, 0), volume=True)  # its own volume begins behind its surface
+    cube(4, (0.5, 0, 0), volume=True).name = "Fog"
+    cube(1, (5, 0, 0), volume=True).name = "Far"
+    cube(4, (0, 0, 0), volume=False).name = "Solid"
+    hidden = cube(4, (0, 0, 0), volume=True)
+    hidden.hide_render = True
+    layer = bpy.context.view_layer
+    assert layer is not None
+    layer.update()
+    assert volumes_around(layer, baked) == ["Fog"]

@@ -1,12 +1,14 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The specification of our glTF extension: schema, text and example say the same as the code."""
+"""The specification of our glTF extension: schema, text, example and exports of every kind say the same."""
 
 from __future__ import annotations
 
 import copy
 import json
 import re
+from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -14,13 +16,16 @@ from jsonschema import Draft202012Validator
 
 from radtex_addon.bake.forms import FORMS
 from radtex_addon.bake.kinds import Kind
+from radtex_addon.bake.progress import finished
+from radtex_addon.export.exporting import export_steps
 from radtex_addon.export.gltf import EXTENSION, extension_in
+from radtex_addon.formats.containers.glb import Glb
 from radtex_addon.formats.containers.ktx2 import read_ktx2
 from radtex_addon.formats.containers.texture import PixelFormat
 from radtex_addon.textures.entry import Arranged, Container
+from tests.blender.every_kind import EXPORTS, bake_every_kind
 from tests.gltf_schema import BAKE, EXTENSION_FOLDER, TEXTURE, extensions_of, problems, schemas
 
-pytestmark = pytest.mark.one_blender
 README = (EXTENSION_FOLDER / "README.md").read_text(encoding="utf-8")
 EXAMPLE = EXTENSION_FOLDER / "example" / "Ball.glb"
 
@@ -95,3 +100,28 @@ def test_what_is_wrong_is_found(spoil: Any, words: str) -> None:
     facts = copy.deepcopy(facts)
     spoil(facts)
     assert any(words in problem for problem in problems(facts)), problems(facts)
+
+
+@pytest.fixture(scope="module")
+def bakes(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Path]:
+    """Sidecars by kind; not to be written to."""
+    return bake_every_kind(tmp_path_factory.mktemp("kinds"))
+
+
+@pytest.mark.parametrize("name", EXPORTS)
+def test_an_export_is_valid(name: str, bakes: Mapping[str, Path], tmp_path: Path) -> None:
+    kind, spec = EXPORTS[name]
+    made = finished(export_steps(bakes[kind], spec, tmp_path / "made"))
+    glb = made.folder / f"{made.name}.glb"
+    found = extensions_of(glb)
+    assert len(found) == (2 if kind == "layered" else 1)
+    for number, facts in enumerate(found):
+        assert problems(facts) == []
+        assert facts.get("material", 0) == number
+        assert ("mirror" in facts) == spec.mirror
+        for texture in (*facts["textures"].values(), *([facts["mirror"]] if spec.mirror else [])):
+            assert (made.folder / texture["uri"]).is_file()
+    materials = Glb.read(glb).document["materials"]
+    assert [each.get("extras", {}) for each in materials] == (
+        [{"radtex_material": 0}, {"radtex_material": 1}] if kind == "layered" else [{}]
+    )

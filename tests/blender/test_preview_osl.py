@@ -41,6 +41,7 @@ from tests.lookups import (
     relative_error,
     worst_error,
 )
+from tests.transfer_lookups import WORST, Question, Way, questions
 
 
 def osl_shader(atlas: Path, kind: Filter) -> Shader:
@@ -198,3 +199,33 @@ def test_the_example_shows_an_atlas(example: Callable[[Path], Floats], tmp_path:
 
 def empty_tree() -> bpy.types.NodeTree:
     return cast(bpy.types.NodeTree, bpy.data.node_groups.new("tree", "ShaderNodeTree"))
+
+
+def shader_of(atlas: Path, question: Question) -> Shader:
+    """The light stands in an image of its own."""
+    lights: Any = bpy.data.images.new("lights", SIDE, SIDE, alpha=True, float_buffer=True, is_data=True)
+    lights.use_half_precision, lights.alpha_mode = False, "CHANNEL_PACKED"
+    lights.pixels.foreach_set(np.pad(question.light, ((0, 0), (0, 1)), constant_values=1).ravel())
+    lights.update()
+
+    def shader(build: NodeBuilder, inputs: Inputs) -> tuple[Socket, ...]:
+        node = osl.add_transfer_osl_node(build.tree, atlas, LAYOUT, question.views)
+        for name, source in zip(("UV", "Normal", "Tangent", "Sign", "Incoming"), inputs, strict=True):
+            build.feed(node.inputs[name], source)
+        place = build.vector("FRACTION", build.uv_map("places"))
+        build.feed(node.inputs["Light"], build.image(lights, place)[0])
+        return node.outputs["Color"], node.outputs["Alpha"]
+
+    return shader
+
+
+def test_the_script_node_of_a_transfer_agrees_with_the_reference(tmp_path: Path) -> None:
+    stage = osl_stage()
+    asked = [question for question in questions() if question.way in (Way.LOOKUP, Way.AROUND)]
+    for question in asked:
+        path = write_exr(tmp_path / f"{question.way.name}.exr", question.atlas)
+        stage.add(question.lookups, shader_of(path, question))
+    for question, result in zip(asked, stage.render(tmp_path / "answers.exr"), strict=True):
+        worst = float(relative_error(result, question.answers).max())
+        print(f"OSL, {question.way.name}: worst error of {COUNT} lookups {worst:.1e}")
+        assert worst <= WORST

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Faces that are seen from behind: which they are, what twins they get, and what rays see of them."""
+"""Faces that are seen from behind, their twins, and cells that nobody can see."""
 
 from __future__ import annotations
 
@@ -280,3 +280,35 @@ def test_cycles_shows_a_sheet_whose_back_faces_are_transparent(away: float, tmp_
     camera.data.type, camera.data.angle = "PERSP", 1 / away
     image = render_exr(context.scene, tmp_path / "sheet.exr")
     assert (image > 0.999).all(axis=2).mean() > 0.995, "but for a pixel on an edge, from afar"
+
+
+def active_mesh() -> bpy.types.Mesh:
+    """The mesh of the object that was made last."""
+    mesh = bpy.context.object.data
+    assert isinstance(mesh, bpy.types.Mesh)
+    return mesh
+
+
+@pytest.mark.one_blender
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_a_sheared_convex_mesh_hides_nothing(tmp_path: Path, mirrored: bool) -> None:
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=64, ring_count=32)
+    mesh = active_mesh()
+    matrix = np.eye(4)
+    matrix[0, 2], matrix[1, 1] = 2.0, -1.0 if mirrored else 1.0
+    turn = np.linalg.inv(matrix[:3, :3])
+    point, normal = np.empty((2, len(mesh.polygons), 3))
+    mesh.polygons.foreach_get("center", point.ravel())
+    mesh.polygons.foreach_get("normal", normal.ravel())
+    point, normal = point[::40], normal[::40] @ turn
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    plan = stage.plan_of(point @ matrix[:3, :3].T, normal, 4)
+    assert not finished(find_hidden([(mesh, matrix)], plan, tmp_path)).cells.any()
+
+
+def test_the_inside_of_another_part_is_hidden(tmp_path: Path) -> None:
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=4, radius=1)
+    plan = stage.plan_of(np.array([[0, 0, 0], [0, 0, 2.0]]), np.array([[0, 0, 1.0], [0, 0, 1.0]]), 4)
+    hidden = finished(find_hidden([(active_mesh(), np.eye(4))], plan, tmp_path)).cells
+    assert hidden[0].all()
+    assert not hidden[1].any()
