@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import bpy
 import numpy as np
@@ -14,6 +14,14 @@ from radtex_addon.bake.plan import CapturePlan
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.frame import orthonormal_frame
+from radtex_addon.scene.mesh.evaluated import EvaluatedMesh, evaluate
+from radtex_addon.scene.scratch import scratch_scene
+
+
+def read(item: Any) -> EvaluatedMesh:
+    """An object's mesh as a bake evaluates it."""
+    with scratch_scene(cast(bpy.types.Scene, bpy.context.scene)) as scratch:
+        return evaluate(scratch, item)
 
 
 def material(name: str, shader: str, **inputs: object) -> bpy.types.Material:

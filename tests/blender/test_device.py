@@ -79,7 +79,13 @@ def test_auto_is_the_cpu_where_no_gpu_is_switched_on() -> None:
     with use_device(context.scene, "auto") as name:
         assert name == "CPU"
         assert context.scene.cycles.device == "CPU"
+        real().get_devices_for_type("CPU")
+        assert state(real()) != before, "what Blender lists meanwhile"
     assert state(real()) == before
+    for wish in ("hip", "oneapi", "toaster"):
+        with suppress(InputError), use_device(context.scene, wish):  # a machine may have one
+            pass
+        assert state(real()) == before
 
 
 def test_auto_takes_the_gpus_that_the_preferences_have_on(workstation: Preferences) -> None:
@@ -89,19 +95,16 @@ def test_auto_takes_the_gpus_that_the_preferences_have_on(workstation: Preferenc
         assert context.scene.cycles.device == "GPU"
         assert state(workstation) == before, "just those, and no more"
     assert state(workstation) == before
-
-
-def test_auto_is_the_cpu_where_every_gpu_is_switched_off(workstation: Preferences) -> None:
-    for device in workstation.devices:
-        device.use = device.type == "CPU"
-    with use_device(context.scene, "auto") as name:
-        assert name == "CPU"
-
-
-def test_the_cpu_can_be_had_beside_a_gpu(workstation: Preferences) -> None:
     with use_device(context.scene, "CPU") as name:
         assert name == "CPU"
         assert context.scene.cycles.device == "CPU"
+    for device in workstation.devices:
+        device.use = device.type == "CPU"
+    with use_device(context.scene, "auto") as name:
+        assert name == "CPU", "every GPU is switched off"
+    workstation.present = [Device("HIP_0", "HIP")]
+    with use_device(context.scene, "gpu") as name:
+        assert name == "HIP", "what there is"
 
 
 @pytest.mark.parametrize(("wish", "kind"), [("gpu", "OPTIX"), ("cuda", "CUDA"), ("OptiX", "OPTIX")])
@@ -125,20 +128,6 @@ def test_preferences_come_back_after_an_error(workstation: Preferences) -> None:
     assert state(workstation) == before
 
 
-def test_gpu_takes_what_there_is(workstation: Preferences) -> None:
-    workstation.present = [Device("HIP_0", "HIP")]
-    with use_device(context.scene, "gpu") as name:
-        assert name == "HIP"
-
-
-def test_what_blender_lists_meanwhile_is_forgotten() -> None:
-    before = state(real())
-    with use_device(context.scene, "auto"):
-        real().get_devices_for_type("CPU")
-        assert state(real()) != before
-    assert state(real()) == before
-
-
 @pytest.mark.parametrize("wish", ["optix", "hip", "metal", "gpu", "none", "toaster", ""])
 def test_a_device_that_is_not_there_is_refused_by_name(wish: str, monkeypatch: pytest.MonkeyPatch) -> None:
     bare = Preferences([Device("CPU", "CPU")])
@@ -147,14 +136,6 @@ def test_a_device_that_is_not_there_is_refused_by_name(wish: str, monkeypatch: p
         use_device(context.scene, wish).__enter__()
     assert raised.value.exit_code == 2
     assert state(bare) == ("NONE", [])
-
-
-def test_blenders_own_preferences_survive_a_refusal() -> None:
-    before = state(real())
-    for wish in ("hip", "oneapi", "toaster"):
-        with suppress(InputError), use_device(context.scene, wish):  # a machine may have one
-            pass
-        assert state(real()) == before
 
 
 def test_without_cycles_the_message_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:

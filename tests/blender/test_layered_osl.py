@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, cast
@@ -20,7 +19,6 @@ from radtex_addon.forms.layered.files.layered_files import read_layered, write_l
 from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas, alpha_at, sample_layered
 from radtex_addon.forms.layered.lookup.environment import MOST_LAMPS
 from radtex_addon.forms.layered.preview.osl import add_layered_osl_node
-from radtex_addon.preview import osl
 from radtex_addon.scene.nodes import NodeBuilder, Socket
 from tests.blender.lookup_stage import Inputs, LookupStage, Shader, data_image
 from tests.blender.test_layered_nodes import fragments_of
@@ -131,31 +129,6 @@ def test_more_lamps_than_shaders_take_are_refused(plain: LayeredAtlas, tmp_path:
         InputError, match=f'"Vase" mirrors {MOST_LAMPS + 1} lamps, shaders at most {MOST_LAMPS}'
     ):
         add_layered_osl_node(empty_tree(), path)
-
-
-@pytest.mark.one_blender
-def test_a_blender_without_osl_is_told_what_to_do(
-    plain: LayeredAtlas, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    path, tree = tmp_path / "Vase.radiance.json", empty_tree()
-    write_layered(path, plain, FACTS)
-    monkeypatch.setitem(sys.modules, "oslquery", None)
-    with pytest.raises(InputError, match=r"radtex_layered\.osl: .*official build, or the node group"):
-        add_layered_osl_node(tree, path)
-    assert not tree.nodes
-    assert not bpy.data.texts
-
-
-@pytest.mark.one_blender
-def test_another_working_space_is_refused(
-    plain: LayeredAtlas, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    path, tree = tmp_path / "Vase.radiance.json", empty_tree()
-    write_layered(path, plain, FACTS)
-    monkeypatch.setattr(osl, "working_space", lambda: "ACEScg")
-    with pytest.raises(InputError, match=r"OSL shows Rec\.709, and the file works in ACEScg"):
-        add_layered_osl_node(tree, path)
-    assert not tree.nodes
 
 
 def empty_tree() -> bpy.types.NodeTree:

@@ -136,8 +136,11 @@ def test_a_shader_that_does_not_compile_is_refused_and_leaves_nothing(tmp_path: 
 @pytest.mark.one_blender
 def test_a_blender_without_osl_is_told_what_to_do(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "oslquery", None)
+    tree = empty_tree()
     with pytest.raises(InputError, match="official build, or the node group"):
-        osl.add_osl_node(empty_tree(), tmp_path / "a.exr", LAYOUT, Filter.NEAREST)
+        osl.add_osl_node(tree, tmp_path / "a.exr", LAYOUT, Filter.NEAREST)
+    assert not tree.nodes
+    assert not bpy.data.texts
 
 
 EXAMPLE = osl.SOURCE.parent / "examples" / "script_node.py"

@@ -29,18 +29,13 @@ from radtex_addon.scene.mesh.backs import (
     with_twins,
     without_twins,
 )
-from radtex_addon.scene.mesh.evaluated import EvaluatedMesh, evaluate
 from radtex_addon.scene.nodes import open_material
 from radtex_addon.scene.scratch import scratch_scene
 from tests.blender import stage
 from tests.blender.lookup_stage import add_camera_above, render_exr, set_up_render
+from tests.blender.stage import read
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
-
-
-def read(item: Any) -> EvaluatedMesh:
-    with scratch_scene(context.scene) as scratch:
-        return evaluate(scratch, item)
 
 
 def seen() -> Bools:

@@ -24,18 +24,13 @@ from radtex_addon.scene.mesh.copy import (
     copy_object,
     surface_mesh,
 )
-from radtex_addon.scene.mesh.evaluated import EvaluatedMesh, evaluate
-from radtex_addon.scene.scratch import scratch_scene
+from radtex_addon.scene.mesh.evaluated import EvaluatedMesh
 from radtex_addon.scene.uv.unwrap import unwrap_xatlas
 from tests.blender import stage
 from tests.blender.fingerprint import differences, fingerprint
+from tests.blender.stage import read
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
-
-
-def read(item: Any) -> EvaluatedMesh:
-    with scratch_scene(context.scene) as scratch:
-        return evaluate(scratch, item)
 
 
 def planar(evaluated: EvaluatedMesh) -> Floats:

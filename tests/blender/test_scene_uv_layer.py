@@ -11,9 +11,8 @@ import numpy as np
 import pytest
 
 from radtex_addon.core.errors import InputError
-from radtex_addon.scene.mesh.evaluated import EvaluatedMesh, evaluate
-from radtex_addon.scene.scratch import scratch_scene
 from radtex_addon.scene.uv.uv_layer import user_uv
+from tests.blender.stage import read
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
 
@@ -22,11 +21,6 @@ def grid() -> Any:
     """Sixteen squares over the unit square of the layer 'UVMap'."""
     bpy.ops.mesh.primitive_grid_add(x_subdivisions=4, y_subdivisions=4)
     return context.object
-
-
-def read(item: Any) -> EvaluatedMesh:
-    with scratch_scene(context.scene) as scratch:
-        return evaluate(scratch, item)
 
 
 def move(item: Any, loops: slice, scale: float = 1, shift: tuple[float, float] = (0, 0)) -> None:
@@ -69,24 +63,6 @@ def test_a_missing_layer_is_answered_with_those_there_are() -> None:
         user_uv(read(item), "Lightmap")
 
 
-def test_an_empty_layer() -> None:
-    item = grid()
-    move(item, slice(None), scale=0)
-    with pytest.raises(
-        InputError, match=r"UV layer 'UVMap' of object 'Grid' is empty \(no triangle has area\)"
-    ):
-        user_uv(read(item), "UVMap")
-
-
-def test_faces_without_area() -> None:
-    item = grid()
-    move(item, slice(0, 4), scale=0)
-    with pytest.raises(
-        InputError, match=r"gives no area to 2 of 32 triangles, 6\.\d% of the surface: unwrap those"
-    ):
-        user_uv(read(item), "UVMap")
-
-
 def test_a_sliver_without_area_passes_with_a_warning(caplog: pytest.LogCaptureFixture) -> None:
     item = grid()
     corners = item.data.polygons[0].vertices
@@ -95,26 +71,6 @@ def test_a_sliver_without_area_passes_with_a_warning(caplog: pytest.LogCaptureFi
     move(item, slice(0, 4), scale=0)
     user_uv(read(item), "UVMap")
     assert "gives no area to 2 of 32 triangles" in caplog.text
-
-
-def test_overlap_says_how_much_and_where() -> None:
-    item = grid()
-    move(item, slice(None), scale=0.5)
-    move(
-        item, slice(0, 4), shift=(0.25, 0.25)
-    )  # the first square on top of that at (0.25, 0.25) .. (0.375, 0.375)
-    with pytest.raises(
-        InputError, match=r"overlaps in 6\.6\d% of its area, worst at uv \(0\.(2[5-9]|3).*\), 2 tri"
-    ):
-        user_uv(read(item), "UVMap")
-
-
-@pytest.mark.parametrize("shift", [(0.3, 0), (0, -0.01), (1, 0)])
-def test_outside_the_unit_square(shift: tuple[float, float]) -> None:
-    item = grid()
-    move(item, slice(None), shift=shift)
-    with pytest.raises(InputError, match=r"reaches outside 0\.\.1, from \(.*\) to \(.*\): pack its islands"):
-        user_uv(read(item), "UVMap")
 
 
 def test_rounding_beyond_the_border_is_clipped() -> None:
@@ -131,4 +87,30 @@ def test_coordinates_that_are_not_finite() -> None:
     with pytest.raises(
         InputError, match=r"UV layer 'UVMap' of object 'Grid' has coordinates that are not finite"
     ):
+        user_uv(read(item), "UVMap")
+
+
+@pytest.mark.parametrize(
+    ("moves", "words"),
+    [
+        ([(slice(None), 0, (0, 0))], r"of object 'Grid' is empty \(no triangle has area\)"),
+        (
+            [(slice(0, 4), 0, (0, 0))],
+            r"gives no area to 2 of 32 triangles, 6\.\d% of the surface: unwrap those",
+        ),
+        (  # the first square on top of that at (0.25, 0.25) .. (0.375, 0.375)
+            [(slice(None), 0.5, (0, 0)), (slice(0, 4), 1, (0.25, 0.25))],
+            r"overlaps in 6\.6\d% of its area, worst at uv \(0\.(2[5-9]|3).*\), 2 tri",
+        ),
+        *(
+            ([(slice(None), 1, shift)], r"reaches outside 0\.\.1, from \(.*\) to \(.*\): pack its islands")
+            for shift in ((0.3, 0), (0, -0.01), (1, 0))
+        ),
+    ],
+)
+def test_a_layer_that_cannot_be_used_says_why(moves: list[Any], words: str) -> None:
+    item = grid()
+    for loops, scale, shift in moves:
+        move(item, loops, scale, shift)
+    with pytest.raises(InputError, match=rf"UV layer 'UVMap' .*{words}"):
         user_uv(read(item), "UVMap")

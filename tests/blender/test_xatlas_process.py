@@ -75,14 +75,6 @@ def test_a_square_is_flattened_to_scale() -> None:
     assert sides == pytest.approx(np.array([[1, 1], [2**0.5, 1]]), rel=0.15)
 
 
-def test_300_atlases_come_and_go() -> None:
-    """One in some ten thousand used to wait for ever where it was destroyed."""
-    for _ in range(10):
-        with XatlasProcess() as xatlas:
-            for _ in range(30):
-                assert answer(flatten_square(xatlas)).width > 8
-
-
 def test_the_process_is_gone_after_the_context_however_it_ends(
     started: list[subprocess.Popen[bytes]],
 ) -> None:
