@@ -16,11 +16,9 @@ import pytest
 from mathutils import Matrix, Quaternion
 
 from radtex_addon.bake.progress import finished
-from radtex_addon.bake.spec import BakeSpec, Kind
 from radtex_addon.cli import main as batch_module
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import InputError
-from radtex_addon.core.sampler import Filter
 from radtex_addon.export import web
 from radtex_addon.export.export_manifest import Manifest
 from radtex_addon.export.exporting import Exported, export_steps
@@ -28,7 +26,6 @@ from radtex_addon.export.exporting_scene import export_scene_steps
 from radtex_addon.export.folder import LIST, files_in
 from radtex_addon.export.gltf import extension_in
 from radtex_addon.formats.containers.glb import Glb
-from radtex_addon.job import bake_object
 from radtex_addon.textures.export_spec import ExportSpec, Target
 from tests.blender.fingerprint import differences, fingerprint
 from tests.blender.furnished_room import LEVELS, NODES, bake_room
@@ -233,12 +230,16 @@ def _twice(sidecars: list[Path]) -> list[Path]:
     return [sidecars[0], sidecars[0].parent.with_name("other") / sidecars[0].name]
 
 
-def _renamed(sidecars: list[Path]) -> list[Path]:
+def _renamed(sidecars: list[Path], name: str = "Moon") -> list[Path]:
     """Another object's bake whose files have the first one's name, in another folder."""
     two = _twice(sidecars)
     facts = json.loads(two[1].read_text(encoding="utf-8"))
-    two[1].write_text(json.dumps({**facts, "object": "Moon"}), encoding="utf-8")
+    two[1].write_text(json.dumps({**facts, "object": name}), encoding="utf-8")
     return two
+
+
+def _of_one_object(sidecars: list[Path]) -> list[Path]:
+    return [sidecars[1], _renamed(sidecars, "Chair")[1]]
 
 
 @pytest.mark.parametrize(
@@ -246,6 +247,7 @@ def _renamed(sidecars: list[Path]) -> list[Path]:
     [
         (_twice, {}, r"would be written to the same files: leave one out"),
         (_renamed, {}, r"would be written to the same files: leave one out"),
+        (_of_one_object, {}, r"Furniture\.radiance\.json and .*Ball\.radiance\.json are both of 'Chair'"),
         (lambda _: [], {}, r"a scene of no bakes"),
         (lambda found: found[:1], {"mirror": True}, r"mirrors one bake, not a whole scene"),
     ],
@@ -261,19 +263,6 @@ def test_what_is_no_scene_is_refused(
     with pytest.raises(InputError, match=words):
         finished(export_scene_steps(chosen(sidecars), spec, "Room", out))
     assert not out.exists()
-
-
-def test_two_bakes_of_one_object_are_refused(sidecars: list[Path], out: Path) -> None:
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    bpy.ops.mesh.primitive_cube_add()
-    context.object.name = "Chair"
-    folder = sidecars[0].parent
-    spec = BakeSpec(kind=Kind.AO, texels=12, bucket=4, samples=1)
-    other = bake_object(context.scene, "Chair", spec, folder, preview=Filter.QUADRILINEAR).files.sidecar
-    with pytest.raises(
-        InputError, match=r"Furniture\.radiance\.json and .*Chair\.ao\.json are both of 'Chair'"
-    ):
-        export([sidecars[1], other], out=out)
 
 
 def test_the_command_line_takes_a_folder_or_a_list(
