@@ -30,7 +30,7 @@ def test_hash_seed_cores_memory_folder_and_address_change_no_bit(tmp_path: Path)
     blend = tmp_path / "scene.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(blend))
     assert len([item for item in context.scene.objects if item.type == "LIGHT"]) > 10
-    options = ("--uv", "UVMap", "--smaller", "2")
+    options = ("--uv", "UVMap", "--smaller", "4")
     both = [
         started(blend, CHEAP, tmp_path / "plain", *options),
         started(blend, CHEAP, tmp_path / "an other place", *options, odd=True),

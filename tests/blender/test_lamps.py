@@ -22,7 +22,7 @@ from radtex_addon.job import bake_object
 from radtex_addon.prepare.unwrapping import Unwraps
 from radtex_addon.scene.lights.lamps import each_light
 from tests.blender import stage
-from tests.blender.batch_process import process
+from tests.blender.batch_process import Batch
 from tests.blender.fingerprint import differences, fingerprint
 
 pytestmark = pytest.mark.usefixtures("temporary")
@@ -216,7 +216,7 @@ def test_what_has_no_lamps_of_its_own_is_refused(wrong: dict[str, Any], words: s
 
 
 @pytest.mark.one_blender
-def test_the_batch_bakes_each_lamp_and_goes_on_with_those_that_lack(tmp_path: Path) -> None:
+def test_the_batch_bakes_each_lamp_and_goes_on_with_those_that_lack(tmp_path: Path, batch: Batch) -> None:
     floor()
     blend = tmp_path / "floor.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(blend))
@@ -238,7 +238,7 @@ def test_the_batch_bakes_each_lamp_and_goes_on_with_those_that_lack(tmp_path: Pa
         "--lights=all",
         "--progress=json",
     ]
-    done = process(*asked)
+    done = batch(*asked)
     assert done.code == 0, done.err
     names = ("Evening", "Noon", "Panel", "world", "Noon+Indoors")
     files = {name: out / f"Floor-{name}.radiance.json" for name in names}
@@ -250,11 +250,11 @@ def test_the_batch_bakes_each_lamp_and_goes_on_with_those_that_lack(tmp_path: Pa
     before = atlas.read_bytes()
     files["Noon"].unlink()
     atlas.unlink()
-    again = process(*asked, "--resume")
+    again = batch(*asked, "--resume")
     assert again.code == 0, again.err
     assert files["Evening"].stat().st_mtime_ns == first, "a finished lamp is baked again"
     assert atlas.read_bytes() == before
-    refused = process(*asked)
+    refused = batch(*asked)
     assert refused.code == 2
     assert "Floor-Evening.radiance" in refused.err
 

@@ -307,7 +307,9 @@ def test_pixels_of_the_world_that_are_no_numbers_spoil_no_bake(tmp_path: Path) -
     pixels[..., 3], pixels[24, 20, :3], pixels[12, 40, :3] = 1, inf, 1e38
     image.pixels.foreach_set(pixels.ravel())
     image.pack()
-    tree: Any = stage.world().node_tree
+    made: Any = stage.world()
+    made.cycles.sampling_method, made.cycles.sample_map_resolution = "MANUAL", 64  # as fine as the picture
+    tree: Any = made.node_tree
     environment = tree.nodes.new("ShaderNodeTexEnvironment")
     environment.image = image
     background = next(node for node in tree.nodes if node.type == "BACKGROUND")

@@ -35,7 +35,7 @@ SIDECAR = "Ball.radiance.json"
 
 def lit_ball() -> Any:
     """A ball whose upper vertices are a group."""
-    stage.hdri(stage.world())
+    stage.world((0.2, 0.3, 0.4))
     stage.lamps()
     context.scene.cycles.sampling_pattern = "TABULATED_SOBOL"  # others begin anew for each number of samples
     bpy.ops.mesh.primitive_uv_sphere_add(segments=16, ring_count=8, radius=0.6)

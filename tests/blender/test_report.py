@@ -322,5 +322,5 @@ def test_the_users_file_is_as_it_was_and_the_page_whole_or_not_there(out: Path, 
         if ended:
             break
         assert set(out.iterdir()) == files
-        taken = 2 * taken + 1
+        taken = 8 * taken + 1
     assert set(out.iterdir()) == files | {report_path(sidecar)}

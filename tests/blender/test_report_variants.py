@@ -22,7 +22,7 @@ from radtex_addon.report.report_bake import ReportResult, ReportSpec, report_pat
 from radtex_addon.report.side_by_side import Comparison, ComparisonSpec, compare_steps
 from radtex_addon.report.viewpoint import Eye
 from tests.blender import stage
-from tests.blender.batch_process import process
+from tests.blender.batch_process import Batch
 from tests.blender.fingerprint import differences, fingerprint
 from tests.blender.test_frames import SPEC as FRAME
 from tests.blender.test_frames import growing_ball
@@ -203,7 +203,7 @@ def test_half_of_the_settings_is_baked_from_that_object_too(out: Path) -> None:
 # scenes
 
 
-def test_a_report_looks_at_the_scene_that_is_named(tmp_path: Path) -> None:
+def test_a_report_looks_at_the_scene_that_is_named(tmp_path: Path, batch: Batch) -> None:
     bpy.ops.mesh.primitive_plane_add(size=2)
     context.object.name = "Card"
     context.object.data.materials.append(stage.material("White", "ShaderNodeBsdfDiffuse"))
@@ -218,8 +218,8 @@ def test_a_report_looks_at_the_scene_that_is_named(tmp_path: Path) -> None:
     bpy.ops.wm.save_as_mainfile(filepath=str(blend))
     bake_object(day, "Card", replace(LIT, unwrap=Unwrap.BLENDER), baked)
     quick = ("--views=1", "--pixels=32", "--samples=4", "--progress=json")
-    told = process("report", baked, "--scene", blend, "--in-scene", "Day", *quick)
+    told = batch("report", baked, "--scene", blend, "--in-scene", "Day", *quick)
     assert (told.code, told.err) == (0, "")
     assert '"energy": 1.0' in told.out or '"energy": 0.99' in told.out, told.out
-    unknown = process("report", baked, "--scene", blend, "--in-scene", "Noon", *quick)
+    unknown = batch("report", baked, "--scene", blend, "--in-scene", "Noon", *quick)
     assert "there is no scene 'Noon' in the file" in unknown.err
