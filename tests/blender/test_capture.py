@@ -315,24 +315,6 @@ def test_the_portal_is_a_plain_camera(tmp_path: Path, case: str) -> None:
         assert portal[..., 3].max() > 0.99
 
 
-@pytest.mark.one_blender
-def test_where_the_image_is_cut_changes_no_bit(tmp_path: Path) -> None:
-    stage.hdri(stage.world())
-    stage.lamps()
-    position, normal = random_texels(35)
-    line = stage.plan_of(position, normal, 4)
-    fields = [
-        getattr(line, f).reshape(7, 5, 3) for f in ("position", "tangent", "bitangent", "normal", "facet")
-    ]
-    plan = CapturePlan(line.layout, line.texel[:33], *fields)  # two places of the last row stay empty
-    with scratch() as scene:
-        capture = PortalCapture(scene, plan, Kind.RADIANCE, 4, 3, tmp_path)
-        whole = capture.render(Tile(0, 7))
-        parts = np.concatenate([capture.render(Tile(r, h)) for r, h in ((0, 1), (1, 3), (4, 2), (6, 1))])
-    assert whole.shape == (33, 4, 4, 4)
-    assert np.array_equal(whole, parts)
-
-
 @pytest.mark.parametrize(("bucket", "count"), [(2, 1), (2, 5), (3, 7), (3, 2)])
 def test_a_handful_of_texels_renders_too(tmp_path: Path, bucket: int, count: int) -> None:
     """Blender renders nothing smaller than 4 pixels a side, and a tile may be lower still."""
@@ -349,21 +331,6 @@ def test_a_handful_of_texels_renders_too(tmp_path: Path, bucket: int, count: int
         assert cells.shape == (count, bucket, bucket, 4)
         if capture is PortalCapture:
             np.testing.assert_allclose(cells[..., :3], 0.5, atol=1e-3)
-
-
-def test_the_users_render_limits_do_not_reach_the_measurement(tmp_path: Path) -> None:
-    light = directional_world()
-    position, normal = random_texels(300)
-    plan = stage.plan_of(position, normal, 4)
-    scene = bpy.context.scene
-    scene.render.use_simplify = True
-    scene.cycles.texture_limit_render = "128"
-    scene.cycles.use_sample_subset, scene.cycles.sample_subset_length = True, 1
-    cells = measure(PortalCapture, plan, Kind.INCIDENT, 256, tmp_path, runs=1)[0]
-    frame = np.stack([plan.tangent[0], plan.bitangent[0], plan.normal[0]], axis=1).astype(float)
-    local = square_to_direction(cell_centres(4 * 32))
-    value = light(np.einsum("qpa,kab->kqpb", local, frame)).reshape(300, 4, 32, 4, 32, 3).mean(axis=(2, 4))
-    assert np.abs(cells[..., :3] - value).max() < 0.02
 
 
 SIDE = 12  # buckets along the packed image

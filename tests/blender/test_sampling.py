@@ -169,14 +169,6 @@ def test_a_near_things_direction_is_seen_from_the_middle(tmp_path: Path) -> None
     np.testing.assert_allclose(found.mirrored_end.astype(float)[near], expected[near], atol=3e-3)
 
 
-@pytest.mark.one_blender
-def test_a_diffuse_object_mirrors_nothing(tmp_path: Path) -> None:
-    stage.world()
-    found = ends_of(card(), tmp_path, upward(4, 4))
-    for part in (found.mirrored_weight, found.through_weight, found.mirrored_end, found.through_end):
-        np.testing.assert_allclose(part.astype(float), 0, atol=1e-3)
-
-
 def test_an_object_without_material_lets_through_what_it_does_in_the_users_scene(tmp_path: Path) -> None:
     """Blender 5 gives it a coat, 4.5 does not."""
     stage.world()

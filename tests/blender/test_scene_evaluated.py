@@ -173,17 +173,6 @@ def test_the_matrix_is_the_one_that_constraints_parents_and_animation_make() -> 
     assert np.allclose(evaluated.world_position, (homogeneous @ expected.T)[:, :3], atol=1e-6)
 
 
-def test_linked_duplicates_are_objects_of_their_own() -> None:
-    bpy.ops.mesh.primitive_cube_add()
-    first = context.object
-    bpy.ops.object.duplicate(linked=True)
-    second = context.object
-    second.location.x = 5
-    assert second.data == first.data
-    assert read(first).world_position[:, 0].mean() == pytest.approx(0)
-    assert read(second).world_position[:, 0].mean() == pytest.approx(5)
-
-
 def test_attributes_materials_and_loose_parts_come_along() -> None:
     bpy.ops.mesh.primitive_grid_add(x_subdivisions=2, y_subdivisions=2)
     item = context.object

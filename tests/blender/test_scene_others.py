@@ -13,8 +13,6 @@ import pytest
 from radtex_addon.scene.mesh.render_contents import RAYS, Beside, read_beside
 from radtex_addon.scene.scratch import scratch_scene
 from tests.blender import stage
-from tests.blender.fingerprint import differences, fingerprint
-from tests.blender.lived_in import lived_in_scene
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
 
@@ -173,11 +171,3 @@ def test_a_volume_without_surface_lets_light_through(baked: Any) -> None:
     domain.data.materials.append(stage.material("lid", "ShaderNodeBsdfDiffuse"))
     domain.data.polygons[0].material_index = 1
     assert [len(placed.shape.triangles) for placed in beside(baked).others] == [2]
-
-
-def test_the_users_file_is_what_it_was() -> None:
-    head = lived_in_scene()
-    cube((4, 0, 0))
-    before = fingerprint()
-    assert places(beside(head)) == [[4, 0, 0]]
-    assert differences(before, fingerprint()) == {}

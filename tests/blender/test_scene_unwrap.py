@@ -329,6 +329,13 @@ def test_a_sliver_without_area_passes_with_a_warning(caplog: pytest.LogCaptureFi
     assert "gives no area to 2 of 32 triangles" in caplog.text
 
 
+def test_a_little_overlap_passes_with_a_warning(caplog: pytest.LogCaptureFixture) -> None:
+    item = grid()
+    move(item, slice(0, 4), shift=(0.003, 0))
+    user_uv(read(item), "UVMap")
+    assert "those texels show one of the places" in caplog.text
+
+
 def test_rounding_beyond_the_border_is_clipped() -> None:
     item = grid()
     move(item, slice(None), shift=(2e-6, -2e-6))
