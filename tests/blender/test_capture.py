@@ -287,7 +287,14 @@ def on_one_facet(camera: bpy.types.Object, pixels: int) -> Bools:
     return np.array([all(other[k] == centre[k] for other in around) for k in range(len(centre))])
 
 
-@pytest.mark.parametrize("case", ["plain", "transparent film", "world volume"])
+@pytest.mark.parametrize(
+    "case",
+    [
+        "plain",
+        pytest.param("transparent film", marks=pytest.mark.one_blender),
+        pytest.param("world volume", marks=pytest.mark.one_blender),
+    ],
+)
 def test_the_portal_is_a_plain_camera(tmp_path: Path, case: str) -> None:
     pixels = 24
     made = stage.world((0.3, 0.4, 0.6))

@@ -230,6 +230,7 @@ def test_the_material_says_it_to_us_and_to_others(of_wedge: Path) -> None:
     assert [node["name"] for node in glb.document["nodes"]] == ["Wedge"]
 
 
+@pytest.mark.one_blender
 def test_the_session_is_as_it_was(out: Path, tmp_path: Path) -> None:
     name = lived_in_scene().name
     sidecar = baked(name, out)

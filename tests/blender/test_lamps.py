@@ -65,6 +65,7 @@ def bake(out: Path, spec: BakeSpec, **options: Any) -> Floats:
     return read_buckets(bake_object(context.scene, "Floor", spec, out, **options).files.sidecar)[0]
 
 
+@pytest.mark.one_blender
 def test_one_lamp_alone_gives_its_light_and_no_other(out: Path) -> None:
     floor(glow=0)
     name = "Evening"

@@ -206,6 +206,7 @@ def test_a_transform_that_was_applied_to_the_preview_is_not_taken_from_the_objec
     assert differences(before, fingerprint()) == {}
 
 
+@pytest.mark.one_blender
 def test_renders_of_the_object_have_it_where_its_preview_is(sidecar: Path, tmp_path: Path) -> None:
     item = ball()
     copy: Any = switch_on(item, sidecar).copy

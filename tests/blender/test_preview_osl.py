@@ -222,6 +222,7 @@ def shader_of(atlas: Path, question: Question) -> Shader:
     return shader
 
 
+@pytest.mark.one_blender
 def test_the_script_node_of_a_transfer_agrees_with_the_reference(tmp_path: Path) -> None:
     stage = osl_stage()
     asked = [question for question in questions() if question.way in (Way.LOOKUP, Way.AROUND)]

@@ -47,7 +47,7 @@ def work_through(scratch: Any, head: Any, folder: Path) -> None:
     bpy.ops.render.render(scene=scratch.name, write_still=True)
 
 
-@pytest.mark.parametrize("ends", ["done", "failed", "dropped"])
+@pytest.mark.parametrize("ends", ["done", "failed", pytest.param("dropped", marks=pytest.mark.one_blender)])
 def test_a_bake_leaves_no_trace_however_it_ends(ends: str, tmp_path: Path) -> None:
     head = lived_in_scene()
     before = fingerprint()

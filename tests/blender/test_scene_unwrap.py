@@ -60,7 +60,7 @@ def coverage(evaluated: EvaluatedMesh, done: Unwrapped, reach: float) -> Bools:
 
 
 @ALL
-@pytest.mark.parametrize("texels", [72, 301])
+@pytest.mark.parametrize("texels", [72, pytest.param(301, marks=pytest.mark.one_blender)])
 def test_the_longer_side_is_what_was_asked_for(unwrap: Unwrap, texels: int) -> None:
     evaluated = head()
     done = unwrap(evaluated, texels, UnwrapOptions())

@@ -157,6 +157,7 @@ def cage_around(grow: Callable[[Vector], float], name: str = "Cage") -> Any:
     return cage
 
 
+@pytest.mark.one_blender
 def test_a_cage_that_is_an_extrusion_lands_where_that_does(out: Path) -> None:
     balls()
     cage = cage_around(lambda _: 0.3)
@@ -266,6 +267,7 @@ def test_nothing_found_at_all_is_refused_and_the_old_atlas_stays(out: Path) -> N
     assert {path: path.read_bytes() for path in out.iterdir()} == before
 
 
+@pytest.mark.one_blender
 def test_moved_turned_and_mirrored_objects_meet_in_world_space(out: Path) -> None:
     balls()
     for name in ("High", "Low"):

@@ -298,6 +298,7 @@ def test_a_card_that_hides_from_the_camera_by_its_material_is_mirrored(tmp_path:
     assert differences(before, fingerprint()) == {}
 
 
+@pytest.mark.one_blender
 def test_a_glowing_thing_that_does_not_light_the_object_is_dark_in_it(tmp_path: Path) -> None:
     """As Cycles shows it: a mirror that light linking leaves out mirrors the thing without its light."""
     receiver = ball()
