@@ -106,7 +106,6 @@ def test_paths_end_at_what_is_cast_in_and_pass_a_bubble(
     assert through[upper & above & (np.abs(x + 0.5) < 0.1)].min() > 0.9
 
 
-pytestmark = pytest.mark.one_blender
 _TIMES, _INDEX, _THICK = 3, 1.5, 0.2  # of the sheet of glass
 
 

@@ -39,6 +39,8 @@ from tests.lookups import (
 from tests.reference.relighting import sample_transfer
 from tests.transfer_lookups import Way, questions
 
+context: Any = bpy.context  # to the stubs, every pointer may be None
+
 
 def group_shader(image: bpy.types.Image, kind: Filter) -> Shader:
     def shader(build: NodeBuilder, inputs: Inputs) -> tuple[Socket, ...]:
@@ -106,9 +108,6 @@ def test_an_atlas_baked_again_is_read_again(tmp_path: Path) -> None:
     again = load_atlas(write_exr(tmp_path / "a.exr", random_atlas(2)))
     assert again == first
     assert corner(again) != before
-
-
-context: Any = bpy.context  # to the stubs, every pointer may be None
 
 
 @pytest.mark.parametrize("engine", ENGINES.values(), ids=ENGINES)

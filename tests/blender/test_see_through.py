@@ -186,14 +186,8 @@ OBJECTS: dict[str, tuple[Callable[[], Any], str]] = {
     "a volume": (lambda: plane(with_volume()), "its material 'Principled' has a volume"),
     "particle hair": (grown, "it has hair, 'Fur'"),
     "hair curves": (curved, "it has hair, 'Tufts'"),
-    "geometry nodes": (
-        by_nodes,
-        "its material 'Veil', set by geometry nodes, lets through what is behind it",
-    ),
-    "an input of geometry nodes": (
-        by_input,
-        "its material 'Veil', set by geometry nodes, lets through what is behind it",
-    ),
+    "geometry nodes": (by_nodes, BY_NODES),
+    "an input of geometry nodes": (by_input, BY_NODES),
     "glass before a film": (lambda: through_glass(film=False), ""),
     "glass that a film shows through": (
         lambda: through_glass(film=True),
