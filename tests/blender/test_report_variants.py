@@ -155,7 +155,8 @@ def test_light_that_no_camera_sees_is_not_compared(out: Path) -> None:
     floor()
     for kind in (Kind.INCIDENT, Kind.SHADOW):
         spec = BakeSpec(kind=kind, texels=8, bucket=4, samples=1)
-        sidecar = bake_object(context.scene, "Floor", spec, out, preview=Filter.QUADRILINEAR).files.sidecar
+        made = bake_object(context.scene, "Floor", spec, out / kind, preview=Filter.QUADRILINEAR)
+        sidecar = made.files.sidecar
         words = rf"Floor\.{kind}\.json holds {kind} light, which no camera sees"
         with pytest.raises(InputError, match=words):
             compare({"Floor": sidecar})
