@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 
 from radtex_addon.bake.progress import finished
-from radtex_addon.bake.spec import BakeSpec, Compression, Layout, Unwrap
+from radtex_addon.bake.spec import BakeSpec, Compression, Layout
 from radtex_addon.core.errors import BakeError, FormatError, InputError, RadTexError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.export import folder as folder_module
@@ -387,12 +387,11 @@ def test_a_bake_that_cannot_be_read_is_named(
     ids=["plain", "dwaa", "layered-glossy-dwaa"],
 )
 def test_a_preview_of_another_unwrap_is_refused(spec: BakeSpec, shader: str, tmp_path: Path) -> None:
-    bpy.ops.mesh.primitive_uv_sphere_add(segments=16, ring_count=8)
+    bpy.ops.mesh.primitive_monkey_add()
     name, scene = context.object.name, context.scene
     context.object.data.materials.append(stage.material("white", f"ShaderNodeBsdf{shader}"))
     stage.hdri(stage.world())
-    bucket = 2 if spec.layout is Layout.BUCKETS else spec.bucket
-    spec = replace(spec, texels=32, bucket=bucket, unwrap=Unwrap.BLENDER)
+    spec = replace(spec, texels=64, bucket=2 if spec.layout is Layout.BUCKETS else spec.bucket)
     bake_object(scene, name, replace(spec, padding=4), tmp_path / "baked", preview=Filter.QUADRILINEAR)
     files = bake_object(scene, name, spec, tmp_path / "new", preview=Filter.QUADRILINEAR).files
     export(files.sidecar, GLTF, tmp_path / "good")

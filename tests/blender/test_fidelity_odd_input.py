@@ -92,7 +92,7 @@ def test_alpha_of_every_kind(tmp_path: Path) -> None:
 
 def test_materials_that_ask_for_the_camera(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
     """Those that a bake cannot know are named; what they look like then is not checked."""
-    check(looked_at(odd_stages.by_camera(), tmp_path, 48), _BY_CAMERA)
+    check(looked_at(odd_stages.by_camera(), tmp_path, 64), _BY_CAMERA)
     lines = [record.getMessage() for record in caplog.records if "camera of its own" in record.getMessage()]
     named = {line.split("'")[1]: line.split("'")[5] for line in lines}
     assert named == {"view distance": "View Distance", "ray length": "Ray Length", "window": "Window"}
