@@ -137,11 +137,11 @@ def _camera(name: str, azimuth: float, elevation: float) -> bpy.types.Object:
     return item
 
 
-def looking(camera: Any) -> Rays:
+def looking(camera: Any, pixels: int = PIXELS) -> Rays:
     """One ray for each pixel."""
     half = camera.data.sensor_width / 2 / camera.data.lens
     turn = np.array(camera.rotation_euler.to_matrix())
-    return Rays.of_camera(np.array(camera.location), turn, half, PIXELS, 1)
+    return Rays.of_camera(np.array(camera.location), turn, half, pixels, 1)
 
 
 @dataclass(frozen=True, eq=False)

@@ -76,11 +76,11 @@ def test_a_head_of_gold_looks_as_cycles_sees_it(tmp_path: Path) -> None:
     sample_sky_coarsely()
     baked = Layered(replace(_SPEC, unwrap=Unwrap.AUTO)).bake(stage, tmp_path)
     camera = stage.tuning[0]
-    rays = looking(camera)
+    rays = looking(camera, scenes.PIXELS)
     surface = BakedSurface(baked.mesh, baked.matrix_world, baked.uv_layer)
     seen = surface.gbuffer(rays, np.full(len(rays.away), 1e9))
     picture = seen.resolve(baked.radiance(seen))
-    reference = render(stage, camera, Rendering(_REFERENCE, 1, alone=False, pixels=PIXELS))[..., :3]
+    reference = render(stage, camera, Rendering(_REFERENCE, 1, alone=False))[..., :3]
     inside = seen.eroded
     shown, expected = (np.clip(image[inside], 0, 1) ** (1 / 2.2) for image in (picture, reference))
     error = -10 * np.log10(((shown - expected) ** 2).mean())
