@@ -1,25 +1,23 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A finished bake drawn by OpenGL with our own shaders, as a game would: mesh, camera, textures."""
+"""A finished bake drawn by OpenGL with our own shaders, as a game would: mesh, camera, textures.
+
+Nothing here needs Blender; `baked_model` reads a bake's mesh.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
-import bpy
 import moderngl
 import numpy as np
-import numpy.typing as npt
 
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.frame import normalised
-from radtex_addon.report.finished_bake import Finished
-from radtex_addon.scene.mesh.copy import NORMAL, SIGN, TANGENT
-from radtex_addon.scene.scratch import new_data_removed
-from tests.real.opengl import VERSIONS, Texture
+from tests.real.opengl import VERSIONS, AnyTexture
 
 SHADERS = Path(__file__).parents[2] / "shaders"
 _VERTEX = """
@@ -49,41 +47,37 @@ out vec4 result;
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """A baked copy in world space: `corners` (3 F, 12) float32, position, normal, tangent, sign and uv."""
+    """A mesh in world space: `corners` (3 F, 12) float32, position, normal, tangent, sign and uv.
+
+    `parts`: how many corners each material has, one after the other. Its points lie within `radius` of
+    `middle`.
+    """
 
     corners: Floats
     middle: Floats
     radius: float
+    parts: tuple[int, ...]
 
-
-def read_model(bake: Finished) -> Model:
-    """The copy in the bake's preview, which must stand alone: without a parent."""
-    libraries: Any = bpy.data.libraries
-    with new_data_removed():
-        with libraries.load(str(bake.preview)) as (_, wanted):
-            wanted.objects = [bake.sidecar.object_name]
-        (copy,) = wanted.objects
-        mesh = cast(bpy.types.Mesh, copy.data)
-        matrix = np.array(copy.matrix_basis, dtype=np.float64)
-        index = _values(mesh.loops, "vertex_index", 1)[:, 0].astype(int)
-        place = _values(mesh.vertices, "co", 3)[index] @ matrix[:3, :3].T + matrix[:3, 3]
-        attributes = cast(Any, mesh).attributes
-        normal, tangent = (_values(attributes[name].data, "vector", 3) for name in (NORMAL, TANGENT))
-        sign = _values(attributes[SIGN].data, "value", 1) * np.sign(np.linalg.det(matrix))
-        uv = _values(attributes[bake.sidecar.uv_map].data, "vector", 2)
-    normal, tangent = normal @ np.linalg.inv(matrix[:3, :3]), tangent @ matrix[:3, :3].T
-    corners = np.concatenate([place, normal, tangent, sign, uv], axis=1).astype(np.float32)
-    middle = (place.min(axis=0) + place.max(axis=0)) / 2
-    return Model(corners, middle, float(np.linalg.norm(place - middle, axis=1).max()))
+    @classmethod
+    def of(cls, corners: Floats, parts: Sequence[int] = ()) -> Model:
+        """With the middle of its box; of one material unless `parts` says otherwise."""
+        place = corners[:, :3].astype(np.float64)
+        middle = (place.min(axis=0) + place.max(axis=0)) / 2
+        radius = float(np.linalg.norm(place - middle, axis=1).max())
+        return cls(corners, middle, radius, tuple(parts) or (len(corners),))
 
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """A camera at `place` (3,) that looks at `target` (3,), z up; `half`: tangent of half its angle."""
+    """A camera at `place` (3,) that looks at `target` (3,), z up; `half`: tangent of half its upright angle.
+
+    `aspect`: the picture's width over its height.
+    """
 
     place: Floats
     target: Floats
     half: float
+    aspect: float = 1.0
 
     @property
     def matrix(self) -> Floats:
@@ -97,7 +91,7 @@ class View:
         look[:3, :3], look[:3, 3] = turn, -turn @ self.place
         scale = 1 / self.half
         depth = [0, 0, -(far + near) / (far - near), -2 * far * near / (far - near)]
-        projection = np.array([[scale, 0, 0, 0], [0, scale, 0, 0], depth, [0, 0, -1, 0]])
+        projection = np.array([[scale / self.aspect, 0, 0, 0], [0, scale, 0, 0], depth, [0, 0, -1, 0]])
         matrix: Floats = projection @ look
         return matrix
 
@@ -110,10 +104,11 @@ class Painter:
         context: moderngl.Context,
         model: Model,
         code: str,
-        textures: Mapping[str, Texture],
+        textures: Mapping[str, AnyTexture],
         values: Mapping[str, Any],
+        by_material: Sequence[Mapping[str, Any]] = (),
     ) -> None:
-        """Compile; `textures` and `values` are the shader's uniforms.
+        """Compile; `textures` and `values` are the shader's uniforms, `by_material` those of each material.
 
         `code` defines `vec4 shade()`, which may use camera, position, normal, tangent and uv.
         """
@@ -121,31 +116,51 @@ class Painter:
         self._context, self._textures = context, textures
         shader = head + _FRAGMENT + code + "\nvoid main() { result = vec4(shade().rgb, 1.0); }\n"
         self._program = context.program(vertex_shader=head + _VERTEX, fragment_shader=shader)
-        for name, value in values.items():
-            self._program[name] = value
+        self._set(values)
+        self._parts = (
+            [(len(model.corners), {})]
+            if not by_material
+            else list(zip(model.parts, by_material, strict=True))
+        )
         used = [name for name in ("in_position", "in_normal", "in_tangent", "in_uv") if name in self._program]
         widths = {"in_position": 3, "in_normal": 3, "in_tangent": 4, "in_uv": 2}
         layout = " ".join(f"{widths[name]}f" if name in used else f"{4 * widths[name]}x" for name in widths)
         buffer = context.buffer(model.corners.tobytes())
         self._triangles = context.vertex_array(self._program, [(buffer, layout, *used)])
 
-    def draw(self, target: moderngl.Framebuffer, view: View) -> None:
-        """Clear the target and draw; alpha is 1 where the model is, whatever the shader's."""
+    def bind(self, target: moderngl.Framebuffer, view: View) -> None:
+        """Make ready to draw: target, camera, textures."""
         target.use()
-        target.clear()
         self._context.enable_only(moderngl.DEPTH_TEST)
-        self._program["seen"] = tuple(view.matrix.T.ravel())
-        if "camera" in self._program:
-            self._program["camera"] = tuple(view.place)
+        self._context.depth_func = "<="
+        self._set({"seen": tuple(view.matrix.T.ravel()), "camera": tuple(view.place)})
         for unit, (name, texture) in enumerate(self._textures.items()):
             texture.use(unit)
             self._program[name] = unit
-        self._triangles.render()
+
+    def render(self) -> None:
+        """Draw once what `bind` has made ready."""
+        first = 0
+        for count, values in self._parts:
+            self._set(values)
+            self._triangles.render(vertices=count, first=first)
+            first += count
+
+    def draw(self, target: moderngl.Framebuffer, view: View) -> None:
+        """Clear the target and draw; alpha is 1 where the model is, whatever the shader's."""
+        self.bind(target, view)
+        target.clear()
+        self.render()
+
+    def _set(self, values: Mapping[str, Any]) -> None:
+        for name, value in values.items():
+            if name in self._program:
+                self._program[name] = value
 
 
 @dataclass(frozen=True, eq=False)
 class Canvas:
-    """A square target with a depth buffer: `drawn` takes the picture, `shown` has it once it is read."""
+    """A target with a depth buffer: `drawn` takes the picture, `shown` has it once it is read."""
 
     context: moderngl.Context
     drawn: moderngl.Framebuffer
@@ -159,18 +174,12 @@ class Canvas:
         return values.reshape(self.shown.height, self.shown.width, 4)
 
 
-def canvas(context: moderngl.Context, pixels: int, samples: int = 1, dtype: str = "f4") -> Canvas:
+def canvas(context: moderngl.Context, size: tuple[int, int], samples: int = 1, dtype: str = "f4") -> Canvas:
     """A target of floats (or "f1", bytes), with several samples a pixel for edges if wanted."""
-    size, several = (pixels, pixels), samples if samples > 1 else 0
+    several = samples if samples > 1 else 0
     shown = context.framebuffer([context.texture(size, 4, dtype=dtype)], context.depth_texture(size))
     if not several:
         return Canvas(context, shown, shown)
     colour = context.renderbuffer(size, 4, samples=several, dtype=dtype)
     drawn = context.framebuffer([colour], context.depth_renderbuffer(size, samples=several))
     return Canvas(context, drawn, shown)
-
-
-def _values(items: Any, field: str, width: int) -> npt.NDArray[np.float64]:
-    values = np.empty(len(items) * width, dtype=np.int32 if field == "vertex_index" else np.float32)
-    items.foreach_get(field, values)
-    return values.reshape(-1, width).astype(np.float64)

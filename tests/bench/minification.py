@@ -28,7 +28,8 @@ from radtex_addon.core.slices import to_slices
 from radtex_addon.formats.containers.exr import read_atlas
 from radtex_addon.report.finished_bake import find_bake, read_bake
 from radtex_addon.report.metrics import Mask, Picture, display, psnr
-from tests.bench.drawing import SHADERS, Canvas, Model, Painter, View, canvas, read_model
+from tests.bench.baked_model import read_model
+from tests.bench.drawing import SHADERS, Canvas, Model, Painter, View, canvas
 from tests.real.opengl import mipmapped
 from tests.reference.levels import level_chain
 from tests.reference.slices import mip_chain
@@ -81,7 +82,10 @@ def film(sidecar: Path) -> list[Frame]:
     with moderngl.create_context(standalone=True, backend="egl") as context:  # type: ignore[arg-type]  # wrong stub
         print(context.info["GL_RENDERER"])
         ways = painters(context, model, bake.images[0])
-        small, large = canvas(context, PIXELS, EDGES), canvas(context, PIXELS * RAYS)
+        small, large = (
+            canvas(context, (PIXELS, PIXELS), EDGES),
+            canvas(context, (PIXELS * RAYS, PIXELS * RAYS)),
+        )
         frames = []
         for number, height in enumerate(np.geomspace(LARGEST, SMALLEST, FRAMES)):
             view = view_of(model, height, number * TURN)

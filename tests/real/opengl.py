@@ -7,17 +7,28 @@ from __future__ import annotations
 import ctypes
 import ctypes.util
 from collections.abc import Mapping, Sequence
+from functools import cache
 from typing import Any, TypeAlias
 
 import moderngl
 import numpy as np
 
 from radtex_addon.core.arrays import Floats
+from radtex_addon.formats.containers.texture import PixelFormat
+from radtex_addon.formats.containers.texture import Texture as Blocks
 
 VERSIONS = {"GLSL 330": "#version 330\n", "GLSL ES 300": "#version 300 es\n"}
-BC5_UNORM = 0x8DBD  # GL_COMPRESSED_RG_RGTC2
-BC6H_UF16, BC7_UNORM = 0x8E8F, 0x8E8C  # GL_COMPRESSED_RGB_BPTC_UNSIGNED_FLOAT, GL_COMPRESSED_RGBA_BPTC_UNORM
+_FORMATS = {  # moderngl knows none of them
+    PixelFormat.BC3: 0x83F3,  # GL_COMPRESSED_RGBA_S3TC_DXT5_EXT
+    PixelFormat.BC3_SRGB: 0x8C4F,  # GL_COMPRESSED_SRGB_ALPHA_S3TC_DXT5_EXT
+    PixelFormat.BC4: 0x8DBB,  # GL_COMPRESSED_RED_RGTC1
+    PixelFormat.BC6H: 0x8E8F,  # GL_COMPRESSED_RGB_BPTC_UNSIGNED_FLOAT
+    PixelFormat.BC7: 0x8E8C,  # GL_COMPRESSED_RGBA_BPTC_UNORM
+    PixelFormat.BC7_SRGB: 0x8E8D,  # GL_COMPRESSED_SRGB_ALPHA_BPTC_UNORM
+}
 _TEXTURE_2D, _TEXTURE_2D_ARRAY = 0x0DE1, 0x8C1A  # GL_TEXTURE_2D, GL_TEXTURE_2D_ARRAY
+_TEXTURE_CUBE, _FIRST_FACE = 0x8513, 0x8515  # GL_TEXTURE_CUBE_MAP, GL_TEXTURE_CUBE_MAP_POSITIVE_X
+_MAX_LEVEL = 0x813D  # GL_TEXTURE_MAX_LEVEL
 _PIXEL_FORMATS = {1: 0x1903, 2: 0x8227, 3: 0x1907, 4: 0x1908}  # GL_RED, GL_RG, GL_RGB, GL_RGBA
 _FLOAT_TYPES = {2: 0x140B, 4: 0x1406}  # GL_HALF_FLOAT, GL_FLOAT
 _VERTEX = """
@@ -27,6 +38,7 @@ void main() {  // one triangle that covers the picture
 """
 
 Texture: TypeAlias = moderngl.Texture | moderngl.TextureArray
+AnyTexture: TypeAlias = Texture | moderngl.TextureCube
 
 
 def compiled(context: moderngl.Context, head: str, fragment: str) -> moderngl.Program:
@@ -101,36 +113,71 @@ def _write_level(context: moderngl.Context, texture: Texture, level: int, image:
         raise ValueError(f"level {level} of {size}: the driver refused it")
 
 
-def fetched(context: moderngl.Context, texture: moderngl.Texture, width: int, height: int) -> Floats:
-    """A texture's values as a shader gets them, (height, width, 4) float32."""
-    fragment = """
-        uniform sampler2D image;
-        out vec4 result;
-        void main() { result = texelFetch(image, ivec2(gl_FragCoord.xy), 0); }
+def in_blocks(context: moderngl.Context, blocks: Blocks, minified: int, cube: bool = False) -> AnyTexture:
+    """A texture of blocks with its levels, or an array; six layers are a `cube`'s faces. Clamped to its edge.
+
+    `minified` as of `mipmapped`. Raises ValueError for blocks that the driver refuses.
     """
-    side = max(width, height)
-    answers = drawn(context, compiled(context, VERSIONS["GLSL 330"], fragment), {"image": texture}, side)
-    return answers.reshape(side, side, 4)[:height, :width]
-
-
-def compressed(
-    context: moderngl.Context, kind: int, size: tuple[int, int], blocks: bytes
-) -> moderngl.Texture:
-    """Blocks of the format `kind` as a texture, which the driver decodes: moderngl knows no such formats."""
-    texture = context.texture((4, 4), 4)
-    _gl("glBindTexture", ctypes.c_uint, ctypes.c_uint)(_TEXTURE_2D, texture.glo)
-    upload = _gl("glCompressedTexImage2D", *[ctypes.c_uint] * 7, ctypes.c_char_p)
-    upload(_TEXTURE_2D, 0, kind, *size, 0, len(blocks), blocks)
+    texture: AnyTexture
+    if cube:
+        target, texture = _TEXTURE_CUBE, context.texture_cube((4, 4), 4)
+    elif blocks.is_array:
+        target, texture = _TEXTURE_2D_ARRAY, context.texture_array((4, 4, 1), 4)
+    else:
+        target, texture = _TEXTURE_2D, context.texture((4, 4), 4)
+    _gl("glBindTexture", ctypes.c_uint, ctypes.c_uint)(target, texture.glo)
+    size, kind = ctypes.c_uint, _FORMATS[blocks.format]
+    for number, level in enumerate(blocks.levels):
+        sides = (max(1, blocks.width >> number), max(1, blocks.height >> number))
+        if target == _TEXTURE_2D_ARRAY:
+            upload = _gl("glCompressedTexImage3D", *[size] * 8, ctypes.c_char_p)
+            upload(target, number, kind, *sides, len(level), 0, level.nbytes, level.tobytes())
+            continue
+        upload = _gl("glCompressedTexImage2D", *[size] * 7, ctypes.c_char_p)
+        for face, part in enumerate(level):
+            where = _FIRST_FACE + face if cube else target
+            upload(where, number, kind, *sides, 0, part.nbytes, part.tobytes())
+    _gl("glTexParameteri", size, size, ctypes.c_int)(target, _MAX_LEVEL, len(blocks.levels) - 1)
     if context.error != "GL_NO_ERROR":
-        raise ValueError(f"format {kind:#x}, size {size}, {len(blocks)} bytes: the driver refused them")
+        raise ValueError(f"{blocks.format}, {blocks.width} x {blocks.height}: the driver refused it")
+    texture.filter = (minified, moderngl.LINEAR)
+    if not isinstance(texture, moderngl.TextureCube):
+        texture.repeat_x = texture.repeat_y = False
+    return texture
+
+
+def cube_of_levels(context: moderngl.Context, chain: Sequence[Floats]) -> moderngl.TextureCube:
+    """A cube's levels (6, M, M, 3), trilinear, as half floats."""
+    first = np.ascontiguousarray(chain[0], np.float16)
+    side = first.shape[1]
+    texture = context.texture_cube((side, side), 3, first.tobytes(), alignment=1, dtype="f2")
+    texture.build_mipmaps(0, len(chain) - 1)  # makes room; what is in it is overwritten
+    upload = _gl("glTexImage2D", *[ctypes.c_uint] * 8, ctypes.c_char_p)
+    for level, faces in enumerate(chain[1:], start=1):
+        _gl("glBindTexture", ctypes.c_uint, ctypes.c_uint)(_TEXTURE_CUBE, texture.glo)
+        _gl("glPixelStorei", ctypes.c_uint, ctypes.c_int)(0x0CF5, 1)  # GL_UNPACK_ALIGNMENT
+        for face, image in enumerate(faces):
+            values = np.ascontiguousarray(image, np.float16)
+            sides = (len(image), len(image))
+            upload(
+                _FIRST_FACE + face, level, 0x881B, *sides, 0, 0x1907, 0x140B, values.tobytes()
+            )  # GL_RGB16F
+    if context.error != "GL_NO_ERROR":
+        raise ValueError(f"a cube of {side} pixels a side: the driver refused it")
+    texture.filter = (moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR)
     return texture
 
 
 def _gl(name: str, *arguments: type) -> ctypes._FuncPointer:
     """A function of the current context."""
-    egl = ctypes.CDLL(ctypes.util.find_library("EGL"))
+    return ctypes.CFUNCTYPE(None, *arguments)(_egl().eglGetProcAddress(name.encode()))
+
+
+@cache
+def _egl() -> ctypes.CDLL:
+    egl = ctypes.CDLL(ctypes.util.find_library("EGL") or "libEGL.so.1")
     egl.eglGetProcAddress.restype = ctypes.c_void_p
-    return ctypes.CFUNCTYPE(None, *arguments)(egl.eglGetProcAddress(name.encode()))
+    return egl
 
 
 def _uploaded(context: moderngl.Context, values: Floats) -> moderngl.Texture:

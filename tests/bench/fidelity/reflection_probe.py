@@ -21,6 +21,7 @@ from radtex_addon.forms.layered.lookup.blurred_levels import mean_map
 
 from .lightmaps import texture_bytes
 from .single_paths import SurroundingsSamples, nearness_map
+from .split_sum import ggx_halves
 
 SIZE = 256  # cells along the sides of the sharpest picture: about a cube map's of 104 pixels
 LEVELS = (  # roughness and size of each level; engines have fewer
@@ -142,12 +143,3 @@ def _blurred(chain: list[Floats], alpha: float, size: int) -> Floats:
         sum_of_weights += z
     blurred: Floats = (total / sum_of_weights).reshape(size, size, 3)
     return blurred
-
-
-def ggx_halves(alpha: float, count: int) -> Floats:
-    """Half vectors around +z, (count, 3), as GGX of width `alpha` has them, times the cosine; a spiral."""
-    share = (np.arange(count) + 0.5) / count
-    cosine = np.sqrt((1 - share) / (1 + (alpha**2 - 1) * share))
-    sine = np.sqrt(np.maximum(1 - cosine**2, 0))
-    azimuth = np.arange(count) * np.pi * (3 - np.sqrt(5))
-    return np.stack([sine * np.cos(azimuth), sine * np.sin(azimuth), cosine], axis=1)

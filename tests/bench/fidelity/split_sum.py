@@ -16,8 +16,6 @@ import numpy as np
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.bilinear import bilinear
 
-from .reflection_probe import ggx_halves
-
 _SIZE = 32
 _RAYS = 1024
 
@@ -54,3 +52,12 @@ def _entry(cosine: float, alpha: float) -> Floats:
     share = visible * along / (upright * cosine)
     edge = (1 - along) ** 5
     return np.array([((1 - edge) * share).sum(), (edge * share).sum()]) / _RAYS
+
+
+def ggx_halves(alpha: float, count: int) -> Floats:
+    """Half vectors around +z, (count, 3), as GGX of width `alpha` has them, times the cosine; a spiral."""
+    share = (np.arange(count) + 0.5) / count
+    cosine = np.sqrt((1 - share) / (1 + (alpha**2 - 1) * share))
+    sine = np.sqrt(np.maximum(1 - cosine**2, 0))
+    azimuth = np.arange(count) * np.pi * (3 - np.sqrt(5))
+    return np.stack([sine * np.cos(azimuth), sine * np.sin(azimuth), cosine], axis=1)

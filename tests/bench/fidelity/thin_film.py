@@ -12,12 +12,12 @@ import numpy as np
 
 from radtex_addon.core.arrays import Floats
 
-_VALUE = np.array([5.4856e-13, 4.4201e-13, 5.2481e-13])  # Gaussians that X, Y and Z are fitted by
-_PLACE = np.array([1.6810e06, 1.7953e06, 2.2084e06])
-_VARIANCE = np.array([4.3278e09, 9.3046e09, 6.6121e09])
-_SECOND = 9.7470e-14, 2.2399e06, 4.5282e09  # X has another
-_WHITE = 1.0685e-7
-_TO_REC709 = np.array(
+VALUE = np.array([5.4856e-13, 4.4201e-13, 5.2481e-13])  # Gaussians that X, Y and Z are fitted by
+PLACE = np.array([1.6810e06, 1.7953e06, 2.2084e06])
+VARIANCE = np.array([4.3278e09, 9.3046e09, 6.6121e09])
+SECOND = 9.7470e-14, 2.2399e06, 4.5282e09  # X has another
+WHITE = 1.0685e-7
+TO_REC709 = np.array(
     [
         [3.2404542, -1.5371385, -0.4985314],
         [-0.9692660, 1.8760108, 0.0415560],
@@ -60,10 +60,10 @@ def _schlick(frontal: Floats, cosine: Floats) -> Floats:
 def _sensitivity(path: Floats, shift: Floats) -> Floats:
     """The eye's response (K, 3) in Rec.709 to path differences (K, 1) in nanometres, shifted (K, 3)."""
     phase = 2 * np.pi * path * 1e-9
-    wide = np.sqrt(2 * np.pi * _VARIANCE)
-    xyz = _VALUE * wide * np.cos(_PLACE * phase + shift) * np.exp(-(phase**2) * _VARIANCE)
-    value, place, variance = _SECOND
+    wide = np.sqrt(2 * np.pi * VARIANCE)
+    xyz = VALUE * wide * np.cos(PLACE * phase + shift) * np.exp(-(phase**2) * VARIANCE)
+    value, place, variance = SECOND
     second = value * np.sqrt(2 * np.pi * variance) * np.exp(-variance * phase[:, 0] ** 2)
     xyz[:, 0] += second * np.cos(place * phase[:, 0] + shift[:, 0])
-    response: Floats = (xyz / _WHITE) @ _TO_REC709.T
+    response: Floats = (xyz / WHITE) @ TO_REC709.T
     return response

@@ -24,8 +24,9 @@ from ..drawing import Model, Painter
 from ..fidelity.directional import lobe_axes
 from ..fidelity.layered.compressed import compressed
 from ..fidelity.layered.lookup import lookup_of
-from ..fidelity.layered.lookup_cost import ball, painter_of
-from ..fragment import diffuse, measured, of_buckets, view_of
+from ..fidelity.layered.lookup_cost import ball, painter_of, view_of
+from ..gpu.lookups import Uploads, bucket_lookups, noise
+from ..gpu.timing import device, measured
 from .lookup_shaders import FETCHES, LIGHTMAP, PROBE, gaussians, harmonics
 
 TEXELS = 64
@@ -40,21 +41,27 @@ def lookup_costs() -> dict[str, Any]:
     atlas = made_up_atlas(TEXELS, 512)
     decoded, textures = compressed(atlas)
     lookup = lookup_of(decoded, textures, DEFAULT)
-    with moderngl.create_context(standalone=True, backend="egl") as context:  # type: ignore[arg-type]  # wrong stub
-        model = ball(decoded)
-        painters = {"diffuse": diffuse(context, model)} | _baselines(context, model)
-        buckets = of_buckets(context, model, _noise(TEXELS * _BUCKET), AtlasLayout(TEXELS, TEXELS, _BUCKET))
+    with device() as found_device:
+        context, model = found_device.context, ball(decoded)
+        painters = {"diffuse": noise(context, model)} | _baselines(context, model)
+        layout = AtlasLayout(TEXELS, TEXELS, _BUCKET)
+        buckets = bucket_lookups(Uploads(context, False), model, _noise(TEXELS * _BUCKET), layout)
         painters |= {
-            "buckets nearest": buckets["nearest"],
-            "buckets": buckets["quadrilinear, by hardware"],
+            "buckets nearest": buckets["buckets, nearest"].painter,
+            "buckets": buckets["buckets, quadrilinear, by the sampler"].painter,
             "layered": painter_of(context, model, decoded, lookup),
         }
-        found = measured(context, painters, view_of(model), _PIXELS, _ROUNDS)
-        drawn_by = context.info["GL_RENDERER"]
+        views = {name: (painter, view_of(model)) for name, painter in painters.items()}
+        found = measured(found_device, views, (_PIXELS, _PIXELS), _ROUNDS)
+        drawn_by = found_device.card
     fetches = FETCHES | {"diffuse": 1, "buckets nearest": 1, "buckets": 4, "layered": lookup.fetches}
     rows = {
-        name: {"fetches": fetches[name], "ms": round(ms, 2), "over_diffuse": round(ratio, 2)}
-        for name, (ms, ratio) in found.items()
+        name: {
+            "fetches": fetches[name],
+            "ms": round(float(np.median(frames.clock)), 2),
+            "over_diffuse": round(float(np.median(frames.clock / found["diffuse"].clock)), 2),
+        }
+        for name, frames in found.items()
     }
     return {"renderer": drawn_by, "pixels": _PIXELS, "rounds": _ROUNDS, "texels": TEXELS, "methods": rows}
 

@@ -5,8 +5,8 @@
     python -m tests.bench.fidelity.layered.lookup_cost [--atlas PICKLE]
 
 Of a made-up bake of 128 texels that has every part, or of a pickled LayeredAtlas. A ball fills a square
-picture of 8-bit colours; all shaders draw in turns, round after round, beside the diffuse shader of
-`tests.bench.fragment`. Differences are those of the shader's answers at random fragments from
+picture of 8-bit colours; all shaders draw in turns, round after round, beside a diffuse texture. Real bakes,
+and cards, are for `tests.bench.gpu`. Differences are those of the shader's answers at random fragments from
 `sample_layered` of the decoded atlas, over what that finds and a twentieth of white.
 """
 
@@ -23,8 +23,9 @@ import numpy as np
 from radtex_addon.core.arrays import Floats
 from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas, sample_layered
 from radtex_addon.forms.layered.shader_values import DEFAULT, FULL
-from tests.bench.drawing import Model, Painter
-from tests.bench.fragment import diffuse, measured, view_of
+from tests.bench.drawing import Model, Painter, View
+from tests.bench.gpu.lookups import noise
+from tests.bench.gpu.timing import device, measured
 from tests.layered.made_up import made_up_atlas, made_up_fragments
 from tests.real.opengl import uniform
 
@@ -63,20 +64,23 @@ def main() -> None:
     lookups = {name: lookup_of(decoded, textures, cost) for name, cost in WAYS.items()}
     fragments = made_up_fragments(decoded, 40_000)
     expected = sample_layered(decoded, fragments)
-    with moderngl.create_context(standalone=True, backend="egl") as context:  # type: ignore[arg-type]  # wrong stub
-        model = ball(decoded)
-        painters = {"diffuse": diffuse(context, model)}
+    with device() as found_device:
+        context, model = found_device.context, ball(decoded)
+        painters = {"diffuse": noise(context, model)}
         off = {}
         for name, lookup in lookups.items():
             found = radiance(context, decoded, lookup, fragments)
             off[name] = np.abs(found - expected) / (np.abs(expected) + 0.05)
             painters[name] = painter_of(context, model, decoded, lookup)
-        print(f"{context.info['GL_RENDERER']}, {options.pixels} x {options.pixels}, {options.rounds} rounds")
-        figures = measured(context, painters, view_of(model), options.pixels, options.rounds)
+        print(f"{found_device.card}, {options.pixels} x {options.pixels}, {options.rounds} rounds")
+        views = {name: (painter, view_of(model)) for name, painter in painters.items()}
+        figures = measured(found_device, views, (options.pixels, options.pixels), options.rounds)
+    diffuse = figures["diffuse"].clock
     print("| lookup | fetches | bytes | a frame, ms | over diffuse | off, mean | off, 99.9 % |")
-    print(f"|---|---|---|---|---|---|---|\n| diffuse | 1 | | {figures['diffuse'][0]:.1f} | 1.00 | | |")
+    print(f"|---|---|---|---|---|---|---|\n| diffuse | 1 | | {np.median(diffuse):.1f} | 1.00 | | |")
     for name, lookup in lookups.items():
-        milliseconds, ratio = figures[name]
+        milliseconds = np.median(figures[name].clock)
+        ratio = np.median(figures[name].clock / diffuse)
         print(
             f"| {name} | {lookup.fetches} | {light_bytes(lookup):,d} | {milliseconds:.1f} | {ratio:.2f} "
             f"| {off[name].mean():.4f} | {np.quantile(off[name], 0.999):.4f} |"
@@ -94,6 +98,14 @@ def painter_of(context: moderngl.Context, model: Model, atlas: LayeredAtlas, loo
     return Painter(context, model, lookup.code + SHADE, lookup.uploaded(context), values)
 
 
+def view_of(model: Model) -> View:
+    """A view in which the model fills a square."""
+    half = 0.2
+    away = np.array([0.4, -0.85, 0.25])
+    distance = 0.85 * model.radius / half
+    return View(model.middle + away / np.linalg.norm(away) * distance, model.middle, half)
+
+
 def ball(atlas: LayeredAtlas, around: int = 96) -> Model:
     """A ball about the bake's middle, its texture coordinates longitude and latitude."""
     u, v = np.meshgrid(np.linspace(0, 1, around + 1), np.linspace(0, 1, around // 2 + 1))
@@ -105,7 +117,7 @@ def ball(atlas: LayeredAtlas, around: int = 96) -> Model:
     points: Floats = np.concatenate([*fields, u[..., None], v[..., None]], axis=-1).astype(np.float32)
     first, right, above, last = points[:-1, :-1], points[:-1, 1:], points[1:, :-1], points[1:, 1:]
     corners = np.stack([first, right, last, first, last, above], axis=2).reshape(-1, 12)
-    return Model(np.ascontiguousarray(corners), atlas.around.middle.astype(np.float64), 0.8)
+    return Model.of(np.ascontiguousarray(corners))
 
 
 if __name__ == "__main__":
