@@ -150,6 +150,17 @@ def test_the_page_has_the_tables_of_the_results(capsys: pytest.CaptureFixture[st
         assert capsys.readouterr().out.strip() in page
 
 
-def test_an_unknown_object_is_refused() -> None:
-    with pytest.raises(ValueError, match="no such object, choose convex"):
-        Subject.read("teapot")
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["teapot"], "teapot: choose of convex"),
+        (["--device", "99"], "no device 99; EGL knows these: "),
+        (["--texels", "100"], "64 times a whole number"),
+    ],
+)
+def test_what_is_not_there_is_refused(
+    words: list[str], says: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit):
+        main(words)
+    assert says in capsys.readouterr().err

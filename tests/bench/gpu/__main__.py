@@ -30,7 +30,7 @@ from radtex_addon.formats.containers.png import encode_png
 from ..drawing import Canvas, View, canvas
 from .lookups import PHYSICALLY_BASED, Lookup, lookups_of
 from .subject import TEXELS, Subject, names
-from .timing import Device, cards, device, measured
+from .timing import Device, NoDeviceError, cards, device, measured
 
 DIFFUSE = "diffuse"
 _DRAWS = 8  # in a frame, on a card: one alone takes less time than its clock needs to speed up
@@ -47,16 +47,14 @@ def main(arguments: list[str] | None = None) -> int:
     times, odd = divmod(options.texels, TEXELS)
     if odd or times < 1 or options.frames < 1:
         _parser().error(f"--texels is {TEXELS} times a whole number, --frames is 1 or more")
-    with device(options.device) as found:
-        figures = speed(
-            found,
-            options.objects or names(),
-            options.size,
-            options.frames,
-            times,
-            options.blocks,
-            options.out,
-        )
+    objects, blocks, out = options.objects or names(), options.blocks, options.out
+    if unknown := set(objects) - set(names()):
+        _parser().error(f"{', '.join(sorted(unknown))}: choose of {', '.join(names())}")
+    try:
+        with device(options.device) as found:
+            figures = speed(found, objects, options.size, options.frames, times, blocks, out)
+    except NoDeviceError as error:
+        _parser().error(str(error))
     options.out.mkdir(parents=True, exist_ok=True)
     path = options.out / "speed.json"
     path.write_text(json.dumps(figures, indent=1) + "\n", encoding="utf-8")

@@ -16,13 +16,13 @@ import json
 import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
+from importlib import import_module
 from math import atan, sqrt
 from pathlib import Path
 from statistics import median
 from time import perf_counter
 from typing import Any, cast
 
-import _cycles
 import bpy
 from mathutils import Vector
 
@@ -75,7 +75,7 @@ def main() -> None:
 
 def _card(used: str) -> str:
     """What Cycles calls the devices of that type."""
-    devices = _cycles.available_devices(used)  # name, type and more of each
+    devices: Any = import_module("_cycles").available_devices(used)  # name, type and more of each
     return ", ".join(sorted({name for name, kind, *_ in devices if kind == used}))
 
 

@@ -23,6 +23,10 @@ _WARM_UP = 10  # rounds, at most: a card's clock speeds up
 TIMER, PROCESSORS = "timer query", "processor time of all threads"
 
 
+class NoDeviceError(Exception):
+    """A device that is not there."""
+
+
 @dataclass(frozen=True, eq=False)
 class Device:
     """A device that draws: its OpenGL `context`, and what its driver says of it."""
@@ -51,7 +55,7 @@ class Device:
 def device(number: int | None = None) -> Iterator[Device]:
     """The device of that number, over EGL, without a window; without one the first that is a card, if any is.
 
-    Raises ValueError if there is no such device.
+    Raises NoDeviceError if there is no such device.
     """
     found = cards()
     if number is None:
@@ -59,7 +63,7 @@ def device(number: int | None = None) -> Iterator[Device]:
         real = [each for each in usable if not any(name in found[each] for name in _ON_PROCESSORS)]
         number = min(real or usable or [0])
     if number >= len(found):
-        raise ValueError(f"device {number}: there are {len(found)}: {', '.join(found)}")
+        raise NoDeviceError(f"no device {number}; EGL knows these: {', '.join(found) or 'none'}")
     with _opened(number) as context:
         yield Device(context)
 
