@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import TypeAlias, cast
+from typing import TypeAlias
 
 import numpy as np
 
@@ -106,8 +106,9 @@ def _to_world(plan: CapturePlan, local: Floats, some: Some) -> Floats:
     tangent, bitangent, normal = (
         axis.reshape(-1, 3)[:count][some, None] for axis in (plan.tangent, plan.bitangent, plan.normal)
     )
-    world = local[..., :1] * tangent + local[..., 1:2] * bitangent + local[..., 2:] * normal
-    return cast(Floats, world)
+    x, y, z = np.moveaxis(local, -1, 0)
+    world = [x * tangent[..., part] + y * bitangent[..., part] + z * normal[..., part] for part in range(3)]
+    return np.moveaxis(np.stack(world), 0, -1)
 
 
 def spread_shifts(count: int, seed: int) -> Floats:

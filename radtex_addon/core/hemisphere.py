@@ -5,6 +5,9 @@
 Fober, "Radiance Textures for Rasterizing Ray-Traced Data" (2023), section "Methodology". Vectors lie on the
 last axis and are unit vectors; `incidence` points from the surface towards the viewer, in the surface frame
 (T, Bt, N) unless a function says otherwise. float32 stays float32; results are NaN only for NaN inputs.
+
+Components are computed one by one, and lie apart in memory where that is faster for the caller: NumPy is fast
+only along a long axis.
 """
 
 from __future__ import annotations
@@ -17,11 +20,6 @@ from .errors import ShapeError
 _TINY = 1e-30  # avoids 0/0; too small to change the result for a unit vector
 
 
-def _dot(a: Floats, b: Floats) -> Floats:
-    product: Floats = np.sum(a * b, axis=-1, keepdims=True)
-    return product
-
-
 def _length(v: Floats) -> Floats:
     """Length of 2-vectors, shape (..., 1), without underflow: |B| = 1e-30 does not become 0."""
     length: Floats = np.hypot(v[..., 0], v[..., 1])[..., None]
@@ -29,7 +27,7 @@ def _length(v: Floats) -> Floats:
 
 
 def _max_norm(v: Floats) -> Floats:
-    norm: Floats = np.max(np.abs(v), axis=-1, keepdims=True)
+    norm: Floats = np.maximum(np.abs(v[..., 0]), np.abs(v[..., 1]))[..., None]
     return norm
 
 
@@ -52,8 +50,10 @@ def equisolid_inverse(a: Floats) -> Floats:
     the horizon; for |A| > sqrt(2) there is no direction, and q is clamped to 0.
     """
     a = as_floats("A", a, 2)
-    r2 = _dot(a, a)
-    return np.concatenate([a * np.sqrt(np.maximum(2 - r2, 0)), 1 - r2], axis=-1)
+    x, y = a[..., 0], a[..., 1]
+    r2 = x * x + y * y
+    q = np.sqrt(np.maximum(2 - r2, 0))
+    return np.moveaxis(np.stack([x * q, y * q, 1 - r2]), 0, -1)
 
 
 def disc_to_square(a: Floats) -> Floats:
@@ -68,10 +68,10 @@ def disc_to_square(a: Floats) -> Floats:
 def square_to_disc(b: Floats) -> Floats:
     """Shrink the square back onto the disc: A = B max(|B.x|, |B.y|) / |B|, A = 0 at B = 0."""
     b = as_floats("B", b, 2)
-    length = _length(b)
-    ratio = np.divide(_max_norm(b), length, out=np.ones_like(length), where=length != 0)
-    a: Floats = b * ratio
-    return a
+    x, y = b[..., 0], b[..., 1]
+    length = _length(b)[..., 0]
+    ratio = _max_norm(b)[..., 0] / np.maximum(length, np.finfo(length.dtype).tiny)
+    return np.moveaxis(np.stack([x * ratio, y * ratio]), 0, -1)
 
 
 def direction_to_square(incidence: Floats) -> Floats:

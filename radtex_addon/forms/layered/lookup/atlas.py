@@ -10,6 +10,7 @@ from typing import cast
 
 import numpy as np
 
+from ....bake.light_samples import Some
 from ....bake.pooling import corner_cells, corners
 from ....core.arrays import Floats, Ints
 from ....core.bilinear import bilinear, bilinear_texels
@@ -117,16 +118,23 @@ def mirrored_light(
     """
     direct, share = (np.zeros((3, len(axis)), dtype=np.float32) for _ in range(2))
     for number, lobes in enumerate(materials):
-        some = np.flatnonzero(material == number)
-        if not len(some) or not lobes.weight.any():
+        found = np.flatnonzero(material == number)
+        if not len(found) or not lobes.weight.any():
             continue
+        some: Some = found if len(found) < len(material) else slice(None)
         weight, variance, bend = lobes.at(cosine[some])
-        turned = bent(axis[some], normal[some], bend)
+        turned = bent(_rows(axis, some), _rows(normal, some), bend)
+        beside = _rows(offset, some)
         for one, wide in zip(weight, (variance * width[some]).astype(np.float32), strict=True):
             seen = seen_free(free[some], wide, cells)
-            direct[:, some] += one * seen * around.look(offset[some], turned, wide)
+            direct[:, some] += one * seen * around.look(beside, turned, wide)
             share[:, some] += one * (1 - seen)
     return direct, share
+
+
+def _rows(values: Floats, some: Some) -> Floats:
+    """Some rows of values (N, C), whose columns lie apart in memory."""
+    return values[some] if isinstance(some, slice) else values.T.take(some, axis=1).T
 
 
 def look_up(buckets: Floats, uv: Floats, axis: Floats) -> Floats:

@@ -63,7 +63,8 @@ class LevelMaps:
         corner = corner + self.first[number]
         light = np.zeros((self.around.shape[1], place.shape[1]), dtype=np.float32)
         for cells, weight in zip(self.around, weights, strict=True):
-            light += [weight * values.take(corner) for values in cells]
+            for channel, values in enumerate(cells):
+                light[channel] += weight * values.take(corner)
         return light
 
 

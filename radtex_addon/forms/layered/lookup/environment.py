@@ -98,19 +98,20 @@ class Plane:
         and the shares of the lobes that point below the horizon (N,). The direction is the mean one of that
         share: of a profile like (2 + x²)^-3/2 across the horizon, its sine is -sqrt(sine² + 2 variance).
         """
-        sine = axis @ self.normal
+        axis, offset, normal = axis.T, offset.T, self.normal[:, None]
+        sine = self.normal @ axis
         root = np.sqrt(sine * sine + 2 * variance)
         deep = np.clip(root, _PARALLEL, _STEEPEST)
-        level = axis - sine[:, None] * self.normal
-        level /= np.maximum(np.linalg.norm(level, axis=1, keepdims=True), 1e-6)
-        down = np.sqrt(1 - deep * deep)[:, None] * level - deep[:, None] * self.normal
-        far = np.maximum(offset @ self.normal - self.height, 0) / deep
-        met = offset + far[:, None] * down - self.eye
-        distance = np.maximum(np.linalg.norm(met, axis=1), 1e-6)
+        level = axis - sine * normal
+        level /= np.maximum(np.linalg.norm(level, axis=0), 1e-6)
+        down = np.sqrt(1 - deep * deep) * level - deep * normal
+        far = np.maximum(self.normal @ offset - self.height, 0) / deep
+        met = offset + far * down - self.eye[:, None]
+        distance = np.maximum(np.linalg.norm(met, axis=0), 1e-6)
         along = far / distance  # and across, as the eye sees the plane at another slant:
         slant = (float(self.eye @ self.normal) - self.height) / distance / deep
         wider = np.clip(along * along * slant, _LEAST_RATIO**2, _MOST_RATIO**2)
-        return met / distance[:, None], wider, (0.5 - 0.5 * sine / root).astype(np.float32)
+        return (met / distance).T, wider, (0.5 - 0.5 * sine / root).astype(np.float32)
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,17 +134,18 @@ class Impostor:
 
     def meet(self, offset: Floats, axis: Floats, variance: Floats) -> tuple[Floats, Floats, Floats]:
         """As `Plane.meet`: the sphere is cut that is as large as what lies in the direction found last."""
-        along = (offset * axis).sum(axis=1)
-        squared = (offset * offset).sum(axis=1)
-        met, ratio = axis, np.ones(len(axis), dtype=np.float32)
+        axis, offset = axis.T, offset.T
+        along = (offset * axis).sum(axis=0)
+        squared = (offset * offset).sum(axis=0)
+        met, ratio = axis, np.ones_like(along)
         for _ in range(STEPS):
-            distance = 1 / np.maximum(self._maps.look(direction_to_octahedron(met).T, 0)[0], 1e-9)
+            distance = 1 / np.maximum(self._maps.look(direction_to_octahedron(met.T).T, 0)[0], 1e-9)
             far = np.sqrt(np.maximum(along * along - squared + distance * distance, 0)) - along
-            reached = offset + far[:, None] * axis
-            length = np.maximum(np.linalg.norm(reached, axis=1), 1e-6)
-            met, ratio = reached / length[:, None], far / length
+            reached = offset + far * axis
+            length = np.maximum(np.linalg.norm(reached, axis=0), 1e-6)
+            met, ratio = reached / length, far / length
         wider = np.clip(ratio, _LEAST_RATIO, _MOST_RATIO) ** 2
-        return met, wider, np.ones_like(variance)
+        return met.T, wider, np.ones_like(variance)
 
     @cached_property
     def _maps(self) -> LevelMaps:
@@ -177,9 +179,9 @@ class Lamp:
 
     def light(self, offset: Floats, axis: Floats, variance: Floats) -> Floats:
         """What rays see of it, blurred by variances (N,): (3, N)."""
-        towards = (self.place - offset).astype(np.float32)
-        distance = np.linalg.norm(towards, axis=1)
-        squared = 2 * (1 - (axis * towards).sum(axis=1) / distance)
+        towards = (self.place[:, None] - offset.T).astype(np.float32)
+        distance = np.linalg.norm(towards, axis=0)
+        squared = 2 * (1 - (axis.T * towards).sum(axis=0) / distance)
         nearer = float((self.place**2).sum()) / distance**2
         wide = variance + self.variance * nearer
         shown = nearer * lobe(squared, wide)
@@ -198,7 +200,7 @@ class Around:
     def look(self, offset: Floats, axis: Floats, variance: Floats) -> Floats:
         """What rays from offsets (N, 3) from the middle see along unit axes (N, 3): (3, N) float32.
 
-        Blurred by variances (N,), radians² along each of two axes.
+        Blurred by variances (N,), radians² along each of two axes. Components had better lie apart in memory.
         """
         axis, offset = axis.astype(np.float32), offset.astype(np.float32)
         light = self.world.look(axis, variance)

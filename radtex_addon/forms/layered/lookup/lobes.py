@@ -33,7 +33,7 @@ class Material:
         above = (place - low).astype(np.float32)
 
         def between(table: Floats) -> Floats:
-            return cast(Floats, table[..., low] * (1 - above) + table[..., low + 1] * above)
+            return cast(Floats, table.take(low, axis=-1) * (1 - above) + table.take(low + 1, axis=-1) * above)
 
         weight = between(np.moveaxis(self.weight, 2, 1))
         return weight, np.exp(between(np.log(self.variance))), between(self.bend)
@@ -51,10 +51,11 @@ def lobe(squared: Floats, variance: Floats) -> Floats:
 def bent(axis: Floats, normal: Floats, bend: Floats) -> Floats:
     """Axes (N, 3) turned by so many radians (N,) towards the normal."""
     aside = towards(axis, normal)
-    return cast(Floats, (axis * np.cos(bend)[:, None] + aside * np.sin(bend)[:, None]).astype(np.float32))
+    return cast(Floats, (axis.T * np.cos(bend) + aside.T * np.sin(bend)).astype(np.float32).T)
 
 
 def towards(axis: Floats, normal: Floats) -> Floats:
     """Unit vectors (N, 3) across the axes, in their plane with the normal."""
-    towards = normal - (normal * axis).sum(axis=1, keepdims=True) * axis
-    return cast(Floats, towards / np.maximum(np.linalg.norm(towards, axis=1, keepdims=True), 1e-6))
+    axis, normal = axis.T, normal.T
+    towards = normal - (normal * axis).sum(axis=0) * axis
+    return cast(Floats, (towards / np.maximum(np.linalg.norm(towards, axis=0), 1e-6)).T)
