@@ -112,6 +112,10 @@ class Neighbours:
     wide: Blur = _WIDE_BLUR
     _found: dict[Blur, list[_Tile]] = field(default_factory=dict)
 
+    def of(self, plan: CapturePlan) -> Neighbours:
+        """The same blurs, of the texels of another plan."""
+        return Neighbours(plan, self.near, self.wide)
+
     def pool(self, table: Floats, wide: bool = False) -> Floats:
         """Add to each texel's sums (C, K, m) its neighbours', weighted, at the same world direction."""
         near = self._pooled(table, self.near)

@@ -15,7 +15,7 @@ from radtex_addon.cycles.portal import Aim
 from radtex_addon.forms.layered.capture.panoramas import panorama_directions
 from radtex_addon.forms.layered.fit.bucket_grid import BucketGrid
 from radtex_addon.forms.layered.fit.lobes import Paths, fit_materials
-from radtex_addon.forms.layered.fit.residual import fit_rest
+from radtex_addon.forms.layered.fit.residual import fit_rest, mean_brightness
 from radtex_addon.forms.layered.fit.visibility import free_share
 from radtex_addon.forms.layered.fit.widths import fit_lobes
 from radtex_addon.forms.layered.lookup.environment import (
@@ -222,8 +222,9 @@ def test_the_rest_takes_what_a_model_lacks_and_leaves_noise(noise: float) -> Non
     towards = cell_directions(CELLS)
 
     def rest_of(light: Floats) -> Floats:
-        grid = BucketGrid.of(rays.plan, 1)
-        return fit_rest(places_of(place), light.astype(np.float32), rays.used, shown, grid, CELLS)
+        light = light.astype(np.float32)
+        grid, level = BucketGrid.of(rays.plan, 1), mean_brightness(light, rays.used)
+        return fit_rest(places_of(place), light, rays.used, shown, grid, CELLS, level)
 
     rest = rest_of(1.3 + random)[:, :, towards[:, 2] > 0.3]
     np.testing.assert_allclose(rest.mean(), 0.3, atol=0.02)

@@ -8,17 +8,18 @@ Tables are (C, B, n*n) float32, channels first, of the B buckets that hold texel
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TypeVar
 
 import numpy as np
 
 from ....bake.blocks import SAMPLES_AT_ONCE, side_by_side
 from ....bake.light_samples import Some
-from ....bake.plan import CapturePlan
+from ....bake.plan import CapturePlan, plan_of_some
 from ....bake.pooling import Blur, Neighbours, Taps, corner_cells, corners
 from ....bake.rays import side_in
-from ....core.arrays import Floats, Ints
+from ....core.arrays import Bools, Floats, Ints
 from ....core.atlas import AtlasLayout
 from ....core.gutter import dilate, nearest_covered
 
@@ -28,6 +29,8 @@ _NEAR_SHARE = 0.04  # of a bucket's neighbour; with the mean over 2 x 2 texels a
 _FINE = 64  # texels along a side: where there are fewer, neighbours differ more, and are given less
 _WIDE = Blur((0.0418, 0.1156, 0.2125, 0.2602, 0.2125, 0.1156, 0.0418))  # with that a sigma of 3 texels
 _POOLED_AT_ONCE = 1 << 26  # bytes of sums
+_PART, _LEAST_PART = 8, 512  # of how many buckets one is in the part that choices are judged by; no fewer
+_PATCH, _SEED = 8, 3  # buckets along a side of that part's patches, which are drawn at random
 
 
 def _near(layout: AtlasLayout) -> Blur:
@@ -62,8 +65,9 @@ class Block:
 class BucketGrid:
     """Which texels of a plan share a bucket, and which buckets are neighbours.
 
-    `bucket` (K,): each texel's; `order` (K,): the texels, bucket by bucket, each of which begins at `first`
-    (B + 1,). `place` (B,): flat indices in a grid of `size`, rows and columns.
+    `bucket` (K,): each texel's, -1 if it is in none of them; `order`: the texels that are in one, bucket by
+    bucket, each of which begins at `first` (B + 1,). `place` (B,): flat indices in a grid of `size`, rows and
+    columns.
     """
 
     plan: CapturePlan
@@ -98,11 +102,36 @@ class BucketGrid:
     def __len__(self) -> int:
         return len(self.place)
 
+    @cached_property
+    def part(self) -> BucketGrid:
+        """Some of the buckets, in patches, by which choices are judged; all of them if there are few."""
+        row, column = np.divmod(self.place, self.size[1])
+        patch = row // _PATCH * self.size[1] + column // _PATCH
+        _, patch, count = np.unique(patch, return_inverse=True, return_counts=True)
+        drawn = np.random.default_rng(_SEED).permutation(len(count))
+        enough = np.searchsorted(np.cumsum(count[drawn]), max(len(self) // _PART, _LEAST_PART)) + 1
+        if enough >= len(drawn):
+            return self
+        return self._of_some(np.isin(patch.ravel(), drawn[:enough]))
+
+    def _of_some(self, chosen: Bools) -> BucketGrid:
+        """Those buckets that are `chosen` (B,)."""
+        texels = chosen[self.bucket]
+        first = np.concatenate([[0], np.cumsum(np.diff(self.first)[chosen])])
+        return replace(
+            self,
+            bucket=np.where(texels, (np.cumsum(chosen) - 1)[self.bucket], -1).astype(np.int32),
+            order=self.order[texels[self.order]],
+            first=first,
+            place=self.place[chosen],
+            neighbours=self.neighbours.of(plan_of_some(self.neighbours.plan, chosen)),
+        )
+
     def in_blocks(
         self, function: Callable[[Block], _Result], samples: int, at_once: int = SAMPLES_AT_ONCE
     ) -> list[_Result]:
         """Run the function on blocks of buckets, whose texels have `samples` each; its results in order."""
-        step = max(1, at_once * len(self) // max(samples * len(self.bucket), 1))
+        step = max(1, at_once * len(self) // max(samples * len(self.order), 1))
         blocks = []
         for begin in range(0, len(self), step):
             buckets = slice(begin, min(begin + step, len(self)))

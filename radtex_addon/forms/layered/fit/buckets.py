@@ -9,27 +9,30 @@ cells for the rest. Both take as many bytes: samples that neither was fitted to 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from ....bake.blocks import in_blocks, planes
-from ....bake.light_samples import Axis, LightSamples, LobeSamples
+from ....bake.blocks import planes
+from ....bake.light_samples import LightSamples
 from ....core.arrays import Bools, Floats
 from ....core.colour_spaces import LUMINANCE
 from ..cells import CELLS
 from ..lookup.atlas import mirrored_light
 from ..samples import OwnRays
+from .bucket_grid import Block, BucketGrid
 from .known import Known
-from .own_light import Surface, own_light
+from .own_light import OwnLight, Surface, own_light
 from .parts import Parts
 from .residual import BRIGHTEST, brightness_weight, fit_rest, mean_brightness
 from .rows import Places, halved, random_half
-from .turned import cosines, turned_samples
+from .turned import mirrored_about, octahedral
 from .visibility import free_share
 
 _MIRRORS_ITSELF = 0.25  # share of mirror rays that meet the object, from which on there is no choice
 _SEED = 2
+_SHOWN_AT_ONCE = 1 << 16  # samples
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,120 +52,117 @@ def fit_buckets(
     surface: Surface, own: OwnRays, light: LightSamples, used: Bools, parts: Parts, known: Known | None = None
 ) -> Buckets:
     """Fit them to light samples, of which `used` (K, S) count, and rays in which the object meets itself."""
-    fit = _Fit(surface, own, light, used, parts)
+    fit = _Fit(
+        surface, own, own_light(surface, own) if parts.own else None, light, used,
+        Places(used.shape), mean_brightness(light.mirrored, used),
+    )  # fmt: skip
     choices = CELLS if parts.cells and parts.rest and own.hit.mean() < _MIRRORS_ITSELF else CELLS[:1]
     if known is not None:
         choices = (known.cells,)
-    number = 0
-    place = fit.places()
-    models = [fit.model(cells, place) for cells, _ in choices]
-    if len(choices) > 1:
-        half = random_half(used.shape, _SEED)
-        level = mean_brightness(light.mirrored, used)
-        most = np.float32(BRIGHTEST * level)
-        judge = models[0].shown
-        errors = [
-            fit.error(model, place, cells, half, judge, (level, most))
-            for model, (_, cells) in zip(models, choices, strict=True)
-        ]
-        number = int(np.argmin(errors))
-        del judge
-    model, cells = models[number], choices[number][1]
-    del models
+    of_own, cells = choices[0] if len(choices) == 1 else fit.best(choices)
+    model = fit.model(surface.grid, of_own)
+    shown = fit.shown(model)
     rest: Floats = np.zeros((3, len(surface.grid), cells * cells), dtype=np.float32)
     if parts.rest:
-        share = 1.0 if known is None else known.share
-        rest = fit_rest(place, light.mirrored, used, model.shown, surface.grid, cells, share)
+        rest = fit.rest(model, shown, used, cells, 1.0 if known is None else known.share)
     return Buckets(model.own, model.free, rest)
 
 
 @dataclass(frozen=True, eq=False)
 class _Model:
-    """Own light, what is left free, and what is shown of both and the surroundings: (3, K, S) float16."""
+    """Own light (3, B, n*n), and what is left free (1, B, n*n), of a grid's buckets."""
 
+    grid: BucketGrid
     own: Floats
     free: Floats
-    shown: Floats
+
+    @property
+    def cells(self) -> int:
+        return math.isqrt(self.free.shape[2])
 
 
 @dataclass(frozen=True, eq=False)
 class _Fit:
+    """`place`: of light samples, once a model of them was looked up; `level`: their mean brightness."""
+
     surface: Surface
     rays: OwnRays
+    own: OwnLight | None
     light: LightSamples
     used: Bools
-    parts: Parts
+    place: Places
+    level: np.float32
 
-    @property
-    def samples(self) -> LobeSamples:
-        light = self.light
-        return turned_samples(
-            LobeSamples(light.plan, Axis.MIRROR, light.square, light.mirrored, self.used), self.surface.normal
-        )
+    def best(self, choices: Sequence[tuple[int, int]]) -> tuple[int, int]:
+        """The numbers of cells that show a part of the buckets best."""
+        part = self.surface.grid.part
+        half = random_half(self.used.shape, _SEED)
+        models = [self.model(part, cells) for cells, _ in choices]
+        shown = [self.shown(model) for model in models]
+        errors = [
+            self.error(model, told, cells, half, shown[0])
+            for model, told, (_, cells) in zip(models, shown, choices, strict=True)
+        ]
+        return choices[int(np.argmin(errors))]
 
-    def places(self) -> Places:
-        """The light samples' places on the octahedron's square."""
-        samples, found = self.samples, Places(self.used.shape)
-        in_blocks(lambda some: found.keep(some, samples.along(some)[1]), *self.used.shape)
-        return found
-
-    def model(self, cells: int, place: Places) -> _Model:
+    def model(self, grid: BucketGrid, cells: int) -> _Model:
         surface = self.surface
-        if cells != surface.cells:
-            free = free_share(self.rays.rays, self.rays.hit, surface.grid, cells)
-            surface = replace(surface, free=free)
-        own = np.zeros((3, *surface.free.shape[1:]), dtype=np.float32)
-        if self.parts.own:
-            own = own_light(surface, self.rays)
-        return _Model(own, surface.free, _shown(surface, self.samples, place, own))
+        if grid is surface.grid and cells == surface.cells:
+            free = surface.free
+        else:
+            free = free_share(self.rays.rays, self.rays.hit, grid, cells)
+        if self.own is None:
+            return _Model(grid, np.zeros((3, *free.shape[1:]), dtype=np.float32), free)
+        return _Model(grid, self.own.buckets(grid, cells), free)
 
-    def error(
-        self,
-        model: _Model,
-        place: Places,
-        cells: int,
-        half: Bools,
-        judge: Floats,
-        limits: tuple[np.float32, np.float32],
-    ) -> float:
-        """The sum of weighted squares of errors in the samples that are not in `half`.
+    def shown(self, model: _Model) -> Floats:
+        """What the model says of its texels' samples, (3, K, S) float16; keeps their places."""
+        surface, grid, square = self.surface, model.grid, self.light.square
+        offset = (surface.plan.points - surface.around.middle).astype(np.float32)
+        each = self.used.shape[1]
+        shown = np.empty((3, *self.used.shape), dtype=np.float16)
 
-        Of a rest that is fitted to that half. Weights are by what `judge` (3, K, S) shows; `limits` are the
-        mean brightness, and that above which samples count as no brighter.
+        def look(block: Block) -> None:
+            some = block.texels
+            axis, cosine = mirrored_about(surface.plan, square, surface.normal, some)
+            place = self.place.keep(some, octahedral(axis))
+            direct, share = mirrored_light(
+                surface.around, surface.materials, _for_each(offset[some], each).T, axis.reshape(3, -1).T,
+                _for_each(surface.normal[some], each).T, cosine.ravel(), surface.material[some].repeat(each),
+                surface.width[some].repeat(each), grid.gather(model.free, place, some)[0].ravel(),
+                model.cells,
+            )  # fmt: skip
+            seen = direct + share * grid.gather(model.own, place, some).reshape(3, -1)
+            seen = seen.reshape(3, -1, each) * surface.tint[some].T[..., None]
+            shown[:, some] = halved(seen)
+
+        grid.in_blocks(look, each, _SHOWN_AT_ONCE)
+        return shown
+
+    def rest(self, model: _Model, shown: Floats, used: Bools, cells: int, share: float = 1.0) -> Floats:
+        """What the model lacks of those samples that are `used` (K, S): (3, B, cells * cells)."""
+        return fit_rest(self.place, self.light.mirrored, used, shown, model.grid, cells, self.level, share)
+
+    def error(self, model: _Model, shown: Floats, cells: int, half: Bools, judge: Floats) -> float:
+        """The sum of weighted squares of errors in the model's samples that are not in `half`.
+
+        Of a rest that is fitted to that half. Weights are by what `judge` (3, K, S) shows; above some
+        brightness, samples count as no brighter.
         """
-        level, most = limits
-        grid, light = self.surface.grid, self.light.mirrored
-        rest = fit_rest(place, light, self.used & half, model.shown, grid, cells)
+        grid, light, most = model.grid, self.light.mirrored, np.float32(BRIGHTEST * self.level)
+        rest = self.rest(model, shown, self.used & half, cells)
 
-        def squares(some: slice) -> float:
-            told = model.shown[:, some] + grid.gather(rest, place[some], some)
+        def squares(block: Block) -> float:
+            some = block.texels
+            told = shown[:, some] + grid.gather(rest, self.place[some], some)
             off = np.minimum(planes(light[some]), most) - np.minimum(told, most)
-            weight = brightness_weight(judge[:, some].astype(np.float32), level)
+            weight = brightness_weight(judge[:, some].astype(np.float32), self.level)
             judged = weight * (self.used[some] & ~half[some])
             return float((judged * np.tensordot(LUMINANCE, off * off, axes=1)).sum(dtype=np.float64))
 
-        errors: list[float] = in_blocks(squares, *self.used.shape)
-        return sum(errors)
+        return sum(grid.in_blocks(squares, self.used.shape[1]))
 
 
-def _shown(surface: Surface, samples: LobeSamples, place: Places, own: Floats) -> Floats:
-    """What the model says of the samples, (3, K, S) float16."""
-    shape = samples.used.shape
-    shown = np.empty((3, *shape), dtype=np.float16)
-    offset = (surface.plan.points - surface.around.middle).astype(np.float32)
-
-    def look(some: slice) -> None:
-        axis, _ = samples.along(some)
-        where = place[some]
-        each = np.arange(some.start, some.stop).repeat(shape[1])
-        direct, share = mirrored_light(
-            surface.around, surface.materials, offset[each], axis.reshape(3, -1).T, surface.normal[each],
-            cosines(surface.plan, samples.square, surface.normal, some).ravel(),
-            surface.material[each], surface.width[each],
-            surface.grid.gather(surface.free, where, some)[0].ravel(), surface.cells,
-        )  # fmt: skip
-        seen = direct + share * surface.grid.gather(own, where, some).reshape(3, -1)
-        shown[:, some] = halved((seen * surface.tint[each].T).reshape(3, -1, shape[1]))
-
-    in_blocks(look, shape[0], shape[1], 1 << 16)
-    return shown
+def _for_each(values: Floats, times: int) -> Floats:
+    """Values (k, C) of texels for each of their samples: (C, k * times)."""
+    return planes(values).repeat(times, axis=1)

@@ -11,7 +11,7 @@ from typing import cast
 import numpy as np
 
 from ....bake.blocks import in_blocks
-from ....bake.light_samples import Axis, EndSamples, LobeSamples
+from ....bake.light_samples import EndSamples
 from ....bake.plan import CapturePlan
 from ....bake.pooling import Neighbours
 from ....bake.progress import Progress, Stage
@@ -35,7 +35,7 @@ from .own_light import Surface
 from .parts import ALL_PARTS, Parts
 from .texel_maps import shading_normals, tints
 from .through import fit_through_rest, fit_ways
-from .turned import cosines, turned_samples
+from .turned import mirrored_about, octahedral
 from .view_dependence import view_dependence
 from .visibility import free_share
 from .widths import fit_lobes
@@ -168,17 +168,13 @@ def _flat_level(around: Around, level: Floats) -> Floats:
 def _open_paths(capture: Capture, ends: EndSamples, normal: Floats, free: Floats, grid: BucketGrid) -> Paths:
     """The paths that are taken to leave the object straight away."""
     shape = ends.square.shape[:2]
-    white = turned_samples(
-        LobeSamples(ends.plan, Axis.MIRROR, ends.square, ends.mirrored_weight, np.ones(shape, bool)), normal
-    )
     axis = np.empty((*shape, 3), dtype=np.float32)
     open_to, cosine = np.empty(shape, dtype=np.float32), np.empty(shape, dtype=np.float32)
 
     def look(some: slice) -> None:
-        axes, place = white.along(some)
+        axes, cosine[some] = mirrored_about(ends.plan, ends.square, normal, some)
         axis[some] = np.moveaxis(axes, 0, -1)
-        open_to[some] = grid.gather(free, place, some)[0]
-        cosine[some] = cosines(ends.plan, ends.square, normal, some)
+        open_to[some] = grid.gather(free, octahedral(axes), some)[0]
 
     in_blocks(look, *shape)
     chosen = open_to > _FREE

@@ -2,33 +2,35 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What an object shows of itself, computed: along rays that meet it, by what the fit says of that place.
 
-No light is traced for it, so there is no noise; light that was mirrored more often comes in with each turn.
+No light is traced for it, so there is no noise. What is mirrored by the place that is met comes by what the
+object shows there of itself, in buckets of light that was mirrored once.
 Where rays meet parts of a split object that have other atlases, traced light is all that is known.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import cast
 
 import numpy as np
 
-from ....bake.blocks import in_blocks
+from ....bake.blocks import SAMPLES_AT_ONCE, in_blocks, planes
 from ....bake.light_samples import mirrored
 from ....bake.plan import CapturePlan
 from ....core.arrays import Floats, Ints
-from ....core.octahedron import direction_to_octahedron
 from ..lookup.atlas import mirrored_light
 from ..lookup.environment import Around
 from ..lookup.falloffs import falloff_at
 from ..lookup.lobes import Material
 from ..samples import OwnRays
 from .bucket_grid import Block, BucketGrid
+from .rows import Places
+from .turned import octahedral
 
-_TURNS = 2
 _GRAZING = 0.02  # N.V, below which a texel does not face a ray
 _PRIOR = 1e-3  # rays that the wider neighbourhood's mean counts for
+_ASKED_AT_ONCE = 1 << 18  # rays, of which few may meet the object
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,26 +62,53 @@ class Surface:
         return math.isqrt(self.free.shape[2])
 
 
-def own_light(surface: Surface, own: OwnRays) -> Floats:
-    """The light that comes from the object itself, by bucket and direction: (3, B, n*n)."""
-    grid, cells = surface.grid, surface.free.shape[2]
-    light = np.zeros((3, len(grid), cells), dtype=np.float32)
+@dataclass(frozen=True, eq=False)
+class OwnLight:
+    """What rays that meet the object bring, P of them, by their `place` on the octahedron: `light` (3, P).
+
+    Each of the plan's K texels has `count` (K,) rays, from `start` (K,) on. `faces` (P,): 1 where what is met
+    faces the ray, else 0; such rays tell nothing.
+    """
+
+    start: Ints
+    count: Ints
+    place: Places
+    faces: Floats
+    light: Floats
+
+    def buckets(self, grid: BucketGrid, cells: int) -> Floats:
+        """The light that comes from the object itself, by bucket and direction: (3, B, cells * cells)."""
+        table = np.empty((4, len(grid), cells * cells), dtype=np.float32)
+
+        def sum_up(block: Block) -> None:
+            row, ray = self._rays(block.texels)
+            faces = self.faces[ray]
+            columns = [*(faces * channel for channel in self.light.take(ray, axis=1)), faces]
+            rays = Block(block.buckets, block.texels[row], block.bucket[row])
+            table[:, block.buckets] = rays.scatter(self.place[ray], cells, columns)
+
+        each = max(1, len(self.faces) // len(self.count))
+        grid.in_blocks(sum_up, each)
+        return grid.pool(table, grid.neighbours.pool_further, _mean_light).copy()
+
+    def _rays(self, texels: Ints) -> tuple[Ints, Ints]:
+        """The rays of some texels (k,): of which of these they are, and their numbers, both (Q,)."""
+        count = self.count[texels]
+        row = np.arange(len(texels)).repeat(count)
+        first = self.start[texels] - (np.cumsum(count) - count)
+        return row, np.arange(len(row)) + first[row]
+
+
+def own_light(surface: Surface, own: OwnRays) -> OwnLight | None:
+    """What rays that meet the object bring, as the fit knows its surface so far; None where none does."""
     if not len(own.met):
-        return light
-    seen = _Seen.of(surface, own)
-    for turn in range(_TURNS):
-        table = np.empty((4, len(grid), cells), dtype=np.float32)
-
-        def sum_up(block: Block, turn: int = turn, table: Floats = table, light: Floats = light) -> None:
-            hits = seen.hits(block.texels)
-            arriving = seen.light(hits, light if turn else None)
-            own = Block(block.buckets, block.texels[hits.row], block.bucket[hits.row])
-            columns = [*(hits.faces * channel for channel in arriving), hits.faces]
-            table[:, block.buckets] = own.scatter(hits.place, surface.cells, columns)
-
-        grid.in_blocks(sum_up, own.hit.shape[1])
-        light = grid.pool(table, grid.neighbours.pool_further, _mean_light)
-    return light.copy()
+        return None
+    met = _Met.of(surface, own)
+    met.in_blocks(met.look)
+    once = OwnLight(met.start, met.count, met.place, met.faces, met.light)
+    by_bucket = once.buckets(surface.grid, surface.cells)
+    met.in_blocks(lambda some: met.add(some, by_bucket))
+    return once
 
 
 def _mean_light(own: Floats, wide: Floats) -> Floats:
@@ -90,91 +119,84 @@ def _mean_light(own: Floats, wide: Floats) -> Floats:
 
 
 @dataclass(frozen=True, eq=False)
-class _Hits:
-    """The rays of some texels that meet the object, Q of them.
-
-    `row` (Q,): of which of these texels; `ray` (Q,): its number among all P; `axis` (Q, 3); `place` (2, Q),
-    on the octahedron's square; `faces` (Q,): 1 where what is met faces the ray, else 0.
-    """
-
-    row: Ints
-    ray: Ints
-    axis: Floats
-    place: Floats
-    faces: Floats
-
-
-@dataclass(frozen=True, eq=False)
-class _Seen:
-    """What rays see where they meet texels: `direct` light (3, P), and the `share` (3, P) of own light.
-
-    The texels' rays begin at `start` (K,).
-    """
+class _Met:
+    """The places that rays meet; fields as in `OwnLight`. `share` (3, P): what they mirror of the object."""
 
     surface: Surface
     own: OwnRays
     start: Ints
-    direct: Floats
+    count: Ints
+    place: Places
+    faces: Floats
+    light: Floats
     share: Floats
 
     @classmethod
-    def of(cls, surface: Surface, own: OwnRays) -> _Seen:
-        start = np.cumsum(np.count_nonzero(own.hit, axis=1))
-        start = np.concatenate([[0], start[:-1]]).astype(np.int64)
-        direct, share = (np.zeros((3, len(own.met)), dtype=np.float32) for _ in range(2))
-        seen = cls(surface, own, start, direct, share)
-        in_blocks(seen._look, *own.hit.shape)
-        if own.light is not None:
-            apart = own.met < 0
-            direct[:, apart], share[:, apart] = own.light[apart].T, 0
-        return seen
+    def of(cls, surface: Surface, own: OwnRays) -> _Met:
+        """With nothing looked up yet."""
+        count = np.count_nonzero(own.hit, axis=1)
+        start = np.cumsum(count) - count
+        rays = len(own.met)
+        light, share = (np.zeros((3, rays), dtype=np.float32) for _ in range(2))
+        return cls(surface, own, start, count, Places((rays,)), np.zeros(rays, np.float32), light, share)
 
-    def hits(self, texels: Ints) -> _Hits:
-        """The rays of some texels (k,) that meet the object."""
-        row, number = np.nonzero(self.own.hit[texels])
-        first = np.searchsorted(row, np.arange(len(texels)))
-        ray = self.start[texels[row]] + np.arange(len(row)) - first[row]
-        square = self.own.rays.square[texels][row, number][:, None]
-        axis = mirrored(self.surface.plan, square, texels[row])[:, 0]
-        met = self.own.met[ray]
-        facing = (-(self.surface.normal[met] * axis).sum(axis=1) > _GRAZING) | (met < 0)
-        faces = facing.astype(np.float32)
-        return _Hits(row, ray, axis, direction_to_octahedron(axis).T, faces)
+    def in_blocks(self, function: Callable[[slice], None]) -> None:
+        """Run the function on blocks of texels that have enough rays."""
+        asked = SAMPLES_AT_ONCE * self.own.hit.size // len(self.own.met)
+        texels, rays = self.own.hit.shape
+        in_blocks(function, texels, rays, min(asked, _ASKED_AT_ONCE))
 
-    def light(self, hits: _Hits, own: Floats | None) -> Floats:
-        """What rays bring, (3, Q), if buckets see `own` (3, B, n*n) of the object."""
-        direct = self.direct[:, hits.ray]
-        if own is None:
-            return direct
-        met = self.own.met[hits.ray]
-        again = self._at(own, met, self._mirrored(hits, met)[0])
-        return cast(Floats, direct + self.share[:, hits.ray] * again)
-
-    def _look(self, some: slice) -> None:
+    def look(self, some: slice) -> None:
+        """Look the light at the places up, without what the object mirrors there of itself."""
         surface, around = self.surface, self.surface.around
-        hits = self.hits(np.arange(some.start, some.stop))
-        if not len(hits.ray):
+        rays = self._rays(some)
+        if rays.start == rays.stop:
             return
-        rays = slice(int(hits.ray[0]), int(hits.ray[-1]) + 1)
-        met = self.own.met[rays]
-        mirrored, cosine = self._mirrored(hits, met)
+        axis, met = self._axis(some), self.own.met[rays]
+        mirrored, normal, cosine = self._mirrored(axis, met)
+        self.place.keep(rays, octahedral(axis))
+        self.faces[rays] = (cosine > _GRAZING) | (met < 0)
         cosine = np.clip(cosine, 1e-3, 1)
         free = self._at(surface.free, met, mirrored)[0]
+        offset = planes(self.own.place[rays] - around.middle)
         shown, share = mirrored_light(
-            around, surface.materials, self.own.place[rays] - around.middle, mirrored, surface.normal[met],
+            around, surface.materials, offset.T, mirrored.T, normal.T,
             cosine, surface.material[met], surface.width[met], free, surface.cells,
         )  # fmt: skip
         diffuse = surface.diffuse[met] * falloff_at(surface.falloff, surface.material[met], cosine)
-        self.direct[:, rays] = diffuse.T + shown * surface.tint[met].T
-        self.share[:, rays] = share * surface.tint[met].T
+        tint = surface.tint[met].T
+        self.light[:, rays], self.share[:, rays] = diffuse.T + shown * tint, share * tint
+        if self.own.light is not None:
+            apart = met < 0
+            self.light[:, rays][:, apart] = self.own.light[rays][apart].T
+            self.share[:, rays][:, apart] = 0
 
-    def _mirrored(self, hits: _Hits, met: Ints) -> tuple[Floats, Floats]:
-        """The mirror directions (Q, 3) where rays meet texels, and N.V there (Q,)."""
-        normal = self.surface.normal[met]
-        cosine: Floats = -(normal * hits.axis).sum(axis=1)
-        return (hits.axis + 2 * cosine[:, None] * normal).astype(np.float32), cosine
+    def add(self, some: slice, by_bucket: Floats) -> None:
+        """Add what the places mirror of the object, which its buckets (3, B, n*n) show."""
+        rays = self._rays(some)
+        if rays.start == rays.stop:
+            return
+        met = self.own.met[rays]
+        mirrored, *_ = self._mirrored(self._axis(some), met)
+        self.light[:, rays] += self.share[:, rays] * self._at(by_bucket, met, mirrored)
+
+    def _rays(self, some: slice) -> slice:
+        last = some.stop - 1
+        return slice(int(self.start[some.start]), int(self.start[last] + self.count[last]))
+
+    def _axis(self, some: slice) -> Floats:
+        """The axes (3, Q) of some texels' rays."""
+        row, number = np.nonzero(self.own.hit[some])
+        square = self.own.rays.square[some][row, number][:, None]
+        return planes(mirrored(self.surface.plan, square, some.start + row)[:, 0])
+
+    def _mirrored(self, axis: Floats, met: Ints) -> tuple[Floats, Floats, Floats]:
+        """Mirror directions (3, Q) where rays meet texels, the normals (3, Q) and N.V there (Q,)."""
+        normal = planes(self.surface.normal[met])
+        cosine: Floats = -(normal * axis).sum(axis=0)
+        return (axis + 2 * cosine * normal).astype(np.float32, copy=False), normal, cosine
 
     def _at(self, table: Floats, texels: Ints, axis: Floats) -> Floats:
-        """Look a table (C, B, n*n) up at texels and axes: (C, Q)."""
-        place = direction_to_octahedron(axis).T[..., None]
+        """Look a table (C, B, n*n) up at texels and axes (3, Q): (C, Q)."""
+        place = octahedral(axis)[..., None]
         return self.surface.grid.gather(table, place, texels)[..., 0]

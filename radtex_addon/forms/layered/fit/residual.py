@@ -33,15 +33,16 @@ def fit_rest(
     shown: Floats,
     grid: BucketGrid,
     cells: int,
+    level: np.float32,
     share: float = 1.0,
 ) -> Floats:
     """What to add to `shown` (3, K, S) for `light` (K, S, 3), by bucket and direction: (3, B, cells * cells).
 
-    `place`: of the samples; `used` (K, S): which count. Each step, from coarse cells to fine ones, is shrunk
-    by its noise (James and Stein, 1961); of its variance only a `share` is left where more samples are there.
+    `place`: of the samples; `used` (K, S): which count; `level`: their mean brightness. Each step, from
+    coarse cells to fine ones, is shrunk by its noise (James and Stein, 1961); of its variance only a `share`
+    is left where more samples are there.
     """
     table = np.zeros((3, len(grid), cells * cells), dtype=np.float32)
-    level = mean_brightness(light, used)
     if not level:
         return table
     stages = [(side, True) for side in _STEPS if side <= cells]

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ....bake.light_samples import Some
-from ....core.arrays import Bools, Floats
+from ....core.arrays import Bools, Floats, Ints
 
 _STEPS = 65535
 _MOST = 65504.0  # the largest half float
@@ -22,14 +22,20 @@ class Places:
     def __init__(self, shape: tuple[int, ...]) -> None:
         self._kept = np.empty((2, *shape), dtype=np.uint16)
 
-    def keep(self, some: slice, place: Floats) -> None:
-        """Keep those of some texels, (2, k, S)."""
-        self._kept[:, some] = place * np.float32(_STEPS) + np.float32(0.5)
+    def keep(self, some: Some, place: Floats) -> Floats:
+        """Keep those of some texels, (2, k, S); returns them as they are kept."""
+        kept = (place * np.float32(_STEPS) + np.float32(0.5)).astype(np.uint16)
+        self._kept[:, some] = kept
+        return _read(kept)
 
     def __getitem__(self, some: Some) -> Floats:
         """Those of some texels, (2, k, S) float32."""
-        found: Floats = self._kept[:, some] * np.float32(1 / _STEPS)
-        return found
+        return _read(self._kept[:, some])
+
+
+def _read(kept: Ints) -> Floats:
+    found: Floats = kept * np.float32(1 / _STEPS)
+    return found
 
 
 def halved(values: Floats) -> Floats:

@@ -21,7 +21,7 @@ from ..lookup.environment import Around
 from ..lookup.ways import CHANNELS, Through, look_through
 from ..samples import ExitSamples
 from .bucket_grid import BucketGrid
-from .residual import fit_rest
+from .residual import fit_rest, mean_brightness
 from .rows import Places, halved
 from .texel_maps import texel_middles
 
@@ -158,4 +158,5 @@ def fit_through_rest(
         shown[:, some] = halved(seen.reshape(3, -1, shape[1]))
 
     in_blocks(look, shape[0], shape[1], 1 << 16)
-    return fit_rest(place, light.through, used, shown, grid, THROUGH_CELLS, share)
+    level = mean_brightness(light.through, used)
+    return fit_rest(place, light.through, used, shown, grid, THROUGH_CELLS, level, share)

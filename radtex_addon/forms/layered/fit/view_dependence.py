@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....bake.blocks import in_blocks
 from ....bake.computed_rows import computed
 from ....bake.light_samples import LightSamples, Some
 from ....core.arrays import Bools, Floats
@@ -31,7 +30,7 @@ def view_dependence(light: LightSamples, used: Bools, surface: Surface, cells: i
     """What diffuse samples have beyond the surface's diffuse light: (3, B, cells * cells).
 
     By the mirror direction about the shading normals. `used` (K, S): which samples count. None where
-    harmonics of half of the samples do not predict the other half.
+    harmonics of half of the samples do not predict the other half, in a part of the buckets.
     """
     grid, shape = surface.grid, (*used.shape, 3)
 
@@ -47,8 +46,8 @@ def view_dependence(light: LightSamples, used: Bools, surface: Surface, cells: i
 
     direction, values = computed(shape, towards), computed(shape, left)
     half = random_half(used.shape, _SEED)
-    found = fit_harmonics(direction, values, _shares(used, half), grid, _RIDGE)
-    if _gain(direction, values, used, half, found, grid) <= 0:
+    found = fit_harmonics(direction, values, _shares(used, half), grid.part, _RIDGE)
+    if _gain(direction, values, used, half, found, grid.part) <= 0:
         return None
     found = fit_harmonics(direction, values, _shares(used, None), grid, _RIDGE)
     return _by_mirror_direction(grid, found, surface.normal, cells)
@@ -70,14 +69,13 @@ def _gain(
 ) -> float:
     """By how much coefficients (B, 9, 3) lessen the squares of values (K, S, 3) that are not in `half`."""
 
-    def gain(some: slice) -> float:
+    def gain(block: Block) -> float:
+        some = block.texels
         told = np.einsum("ksa,kac->ksc", basis(direction[some]), found[grid.bucket[some]], optimize=True)
         less = told * (2 * values[some] - told)
         return float(less[used[some] & ~half[some]].sum(dtype=np.float64))
 
-    texels, samples = used.shape
-    gains: list[float] = in_blocks(gain, texels, samples, _AT_ONCE)
-    return sum(gains)
+    return sum(grid.in_blocks(gain, used.shape[1], _AT_ONCE))
 
 
 def _by_mirror_direction(grid: BucketGrid, found: Floats, normal: Floats, cells: int) -> Floats:
