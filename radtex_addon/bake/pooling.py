@@ -30,13 +30,22 @@ def corners(place: Floats, n: int | Ints) -> tuple[Ints, Floats]:
     Returns the flat index of the corner that the four cells share (...), of (n + 1) x (n + 1) corners with
     those on the edges, and the bilinear weights of the cells (4, ...), in the order of `corner_cells`.
     """
+    flat, x, y = corner_and_fractions(place, n)
+    weights = np.empty((4, *flat.shape), dtype=x.dtype)
+    np.multiply(x, y, out=weights[3])
+    np.subtract(x, weights[3], out=weights[1])
+    np.subtract(y, weights[3], out=weights[2])
+    np.subtract(1 - x, weights[2], out=weights[0])
+    return flat, weights
+
+
+def corner_and_fractions(place: Floats, n: int | Ints) -> tuple[Ints, Floats, Floats]:
+    """As `corners`, with how far from the first cell's middle to the others' places are, along both axes."""
     side = np.asarray(n, dtype=np.float32)
-    position = place * side + np.float32(0.5)
-    corner = np.minimum(np.floor(position), side)
-    x, y = position - corner
-    both = x * y
-    flat = corner[1] * (side + 1) + corner[0]  # exact below 4096 cells
-    return flat.astype(np.intp), np.stack([1 - x - y + both, x - both, y - both, both])
+    x, y = place * side + np.float32(0.5)
+    column, row = x.astype(np.int32), y.astype(np.int32)  # at most n, as a place is at most 1
+    flat = row.astype(np.intp) * (np.asarray(n) + 1) + column
+    return flat, x - column.astype(x.dtype), y - row.astype(y.dtype)
 
 
 @cache
@@ -67,8 +76,11 @@ class Taps:
 
     def gather(self, table: Floats) -> Floats:
         """Look the block's table (C, k, n*n) up at the samples: (C, k, S)."""
-        found = [(self.weights * channel.ravel()[self.cells]).sum(axis=0) for channel in table]
-        return np.stack(found)
+        found = np.zeros((len(table), *self.cells.shape[1:]), dtype=np.float32)
+        for number, channel in enumerate(table.reshape(len(table), -1)):
+            for cells, weights in zip(self.cells, self.weights, strict=True):
+                found[number] += weights * channel.take(cells)
+        return found
 
     def scatter(self, columns: Iterable[Floats]) -> Floats:
         """Sum the samples' columns, (k, S) each, in the cells: (C, k, n*n)."""

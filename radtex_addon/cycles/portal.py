@@ -53,9 +53,9 @@ class Aim:
 
     def square(self, bucket: int) -> Floats:
         """Bucket coordinates B of all rays, (K, n * n, 2) float32."""
-        centres = cell_centres(bucket).reshape(1, -1, 2)
-        aimed: Floats = (centres + (2 * self.shift[:, None] - 1) / bucket).astype(np.float32)
-        return aimed
+        centres = cell_centres(bucket).reshape(-1, 2).T[:, None]
+        aimed: Floats = (centres + (2 * self.shift.T[..., None] - 1) / bucket).astype(np.float32)
+        return np.moveaxis(aimed, 0, -1)  # lie apart in memory: NumPy is fast along a long axis only
 
     def squares(self, bucket: int) -> Floats:
         """The same, computed where some texels' rays are read."""

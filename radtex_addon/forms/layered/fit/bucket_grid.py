@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
 from typing import TypeVar
 
 import numpy as np
@@ -17,7 +17,7 @@ import numpy as np
 from ....bake.blocks import SAMPLES_AT_ONCE, side_by_side
 from ....bake.light_samples import Some
 from ....bake.plan import CapturePlan, plan_of_some
-from ....bake.pooling import Blur, Neighbours, Taps, corner_cells, corners
+from ....bake.pooling import Blur, Neighbours, Taps, corner_and_fractions, corner_cells, corners
 from ....bake.rays import side_in
 from ....core.arrays import Bools, Floats, Ints
 from ....core.atlas import AtlasLayout
@@ -53,12 +53,26 @@ class Block:
         `place` (2, k, S) is the samples' places on the octahedron's square. Each column may also be that of
         some samples alone, (p,), if `place` is theirs, (2, p), and `texels` is one for each.
         """
-        corner, weights = corners(place, n)
-        first = self.bucket.reshape(-1, *[1] * (corner.ndim - 1)) * (n * n)
-        flat = (corner_cells(n).take(corner, axis=1) + first).ravel()
-        count = self.buckets.stop - self.buckets.start
-        sums = [np.bincount(flat, (weights * column).ravel(), count * n * n) for column in columns]
-        return np.stack(sums).astype(np.float32).reshape(-1, count, n * n)
+        corner, x, y = corner_and_fractions(place, n)
+        count, size = self.buckets.stop - self.buckets.start, (n + 1) ** 2
+        flat = (corner + self.bucket.reshape(-1, *[1] * (corner.ndim - 1)) * size).ravel()
+        found = []
+        for column in columns:
+            across = column * x
+            parts = (column, across, column * y, across * y)
+            one, x_, y_, both = (np.bincount(flat, part.ravel(), count * size) for part in parts)
+            sums = np.stack([one - x_ - y_ + both, x_ - both, y_ - both, both])
+            found.append(sums.reshape(4, count, size).swapaxes(0, 1).reshape(count, -1))
+        order, first = _corners_of_cells(n)
+        return np.add.reduceat(np.stack(found).take(order, axis=2), first, axis=2).astype(np.float32)
+
+
+@cache
+def _corners_of_cells(n: int) -> tuple[Ints, Ints]:
+    """All that `corner_cells` says, ordered by cells, and where each of the n * n cells begins in it."""
+    cells = corner_cells(n).ravel()
+    order = np.argsort(cells, kind="stable")
+    return order, np.searchsorted(cells[order], np.arange(n * n))
 
 
 @dataclass(frozen=True, eq=False)

@@ -32,7 +32,6 @@ from .visibility import free_share
 
 _MIRRORS_ITSELF = 0.25  # share of mirror rays that meet the object, from which on there is no choice
 _SEED = 2
-_SHOWN_AT_ONCE = 1 << 16  # samples
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,11 +131,11 @@ class _Fit:
                 surface.width[some].repeat(each), grid.gather(model.free, place, some)[0].ravel(),
                 model.cells,
             )  # fmt: skip
-            seen = direct + share * grid.gather(model.own, place, some).reshape(3, -1)
-            seen = seen.reshape(3, -1, each) * surface.tint[some].T[..., None]
-            shown[:, some] = halved(seen)
+            if self.own is not None:
+                direct += share * grid.gather(model.own, place, some).reshape(3, -1)
+            shown[:, some] = halved(direct.reshape(3, -1, each) * surface.tint[some].T[..., None])
 
-        grid.in_blocks(look, each, _SHOWN_AT_ONCE)
+        grid.in_blocks(look, each)
         return shown
 
     def rest(self, model: _Model, shown: Floats, used: Bools, cells: int, share: float = 1.0) -> Floats:

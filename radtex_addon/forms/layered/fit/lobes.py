@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ....bake.blocks import side_by_side
 from ....core.arrays import Bools, Floats, Ints
 from ....core.colour_spaces import LUMINANCE
 from ..lookup.lobes import LOBES, STEPS, Material, lobe, towards
@@ -54,17 +55,19 @@ def fit_materials(paths: Paths, count: int) -> tuple[Material, ...]:
 def _fit_material(paths: Paths, own: Bools) -> Material:
     weight = np.zeros((LOBES, STEPS, 3))
     variance, bend = np.full((LOBES, STEPS), 0.1), np.zeros(STEPS)
-    known = []
-    for step in range(STEPS):
+
+    def fit(step: int) -> bool:
         near = np.flatnonzero(own & (np.abs(paths.cosine * STEPS - 0.5 - step) < _OVERLAP))
         if len(near) < _AT_LEAST:
-            continue
+            return False
         if len(near) > _AT_MOST:
             near = np.random.default_rng(step).choice(near, _AT_MOST, replace=False)
         mean = paths.weight[near].mean(axis=0)
         share, variance[:, step], bend[step] = _two_lobes(paths, near)
         weight[:, step] = share[:, None] * mean
-        known.append(step)
+        return True
+
+    known = [step for step, found in enumerate(side_by_side(fit, range(STEPS))) if found]
     if known:
         closest = [min(known, key=lambda other: abs(other - step)) for step in range(STEPS)]
         weight, variance, bend = weight[:, closest], variance[:, closest], bend[closest]

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from functools import partial
 
@@ -17,6 +18,9 @@ from .bucket_grid import Block, BucketGrid
 from .rows import Places
 
 _STEPS = (1, 2, 4, 8, 14)  # cells along a bucket's side; the last ones are pooled less widely, too
+_COARSE = 4  # of these sides, up to which few of a texel's samples tell enough …
+_THINNED = (5, 7, 11)  # … one in so many, if there are …
+_MANY = 100  # … no fewer
 _DOUBT = 0.7  # times a step's noise: what is no larger is none
 _COLOURED = 0.25  # of a step's mean square: what it counts for though its luminance is 0
 _PRIOR = 0.02  # of a cell's samples
@@ -46,24 +50,36 @@ def fit_rest(
     if not level:
         return table
     stages = [(side, True) for side in _STEPS if side <= cells]
-    for side, wide in (*stages, (stages[-1][0], False)):
+    for number, (side, wide) in enumerate((*stages, (stages[-1][0], False))):
         sums = np.empty((5, len(grid), side * side), dtype=np.float32)
+        each = _samples(used.shape[1], side, number)
 
-        def sum_up(block: Block, side: int = side, sums: Floats = sums) -> None:
-            some, where = block.texels, place[block.texels]
-            now = shown[:, some] + grid.gather(table, where, some)
-            weight = used[some] * brightness_weight(now, level)
+        def sum_up(block: Block, side: int = side, each: slice = each, sums: Floats = sums) -> None:
+            some, where = block.texels, place.some(block.texels, each)
+            now = shown[:, some, each] + grid.gather(table, where, some)
+            weight = used[some, each] * brightness_weight(now, level)
             most = _DOUBLE * np.maximum(now, 0) + BRIGHTEST * level
-            off = weight * (np.minimum(np.maximum(planes(light[some]), 0), most) - now)
+            off = weight * (np.minimum(np.maximum(planes(light[some, each]), 0), most) - now)
             columns = [weight, *off, np.tensordot(LUMINANCE, off, axes=1) ** 2]
             sums[:, block.buckets] = block.scatter(where, side, columns)
 
-        grid.in_blocks(sum_up, used.shape[1])
+        grid.in_blocks(sum_up, len(range(used.shape[1])[each]))
         step = grid.pool(
             sums, partial(grid.neighbours.pool, wide=wide), _step(sums, grid.share(wide), share, side > 1)
         )
         _add_upsampled(table, step)
     return table
+
+
+def _samples(count: int, side: int, number: int) -> slice:
+    """Which of a texel's samples a stage takes, by its number: few in coarse cells, each of which has many.
+
+    Of samples in rows of equal length every so many: a number that does not divide the rows.
+    """
+    if side > _COARSE or count < _MANY:
+        return slice(None)
+    step = next(step for step in _THINNED if math.isqrt(count) % step)
+    return slice(number % step, None, step)
 
 
 def _step(

@@ -32,6 +32,10 @@ class Places:
         """Those of some texels, (2, k, S) float32."""
         return _read(self._kept[:, some])
 
+    def some(self, some: Ints, each: slice) -> Floats:
+        """Those of some samples of some texels, (2, k, S')."""
+        return _read(self._kept[:, some, each])
+
 
 def _read(kept: Ints) -> Floats:
     found: Floats = kept * np.float32(1 / _STEPS)

@@ -21,6 +21,8 @@ def free_share(rays: LobeSamples, hit: Bools, grid: BucketGrid, cells: int) -> F
 
     `hit` (K, S): which of the `rays` do not.
     """
+    if not hit.any():
+        return np.ones((1, len(grid), cells * cells), dtype=np.float32)
     table = np.empty((2, len(grid), cells * cells), dtype=np.float32)
 
     def sum_up(block: Block) -> None:

@@ -40,12 +40,15 @@ def blurred_levels(direction: Floats, light: Floats, size: int) -> tuple[tuple[F
 
 @dataclass(frozen=True, eq=False)
 class LevelMaps:
-    """Octahedral maps for many lookups: `around` (4, C, corners) has the four cells around each corner.
+    """Octahedral maps of so many `channels` for many lookups.
 
-    The corners of all maps follow each other; `first` is each map's first corner, `size` its cells on a side.
+    `around` (2 * corners, 2 * D) has the four cells around each corner in two rows, of D >= `channels`: so
+    little memory is read at once. The corners of all maps follow each other; `first` is each map's first
+    corner, `size` its cells on a side.
     """
 
     around: Floats
+    channels: int
     first: Ints
     size: Ints
 
@@ -53,18 +56,24 @@ class LevelMaps:
     def of(cls, maps: Sequence[Floats]) -> LevelMaps:
         """From maps (M, M, C), whose M may differ."""
         size = np.array([len(image) for image in maps])
-        around = [planes(image.reshape(len(image) ** 2, -1))[:, corner_cells(len(image))] for image in maps]
-        first = np.concatenate([[0], np.cumsum((size + 1) ** 2)[:-1]])
-        return cls(np.ascontiguousarray(np.concatenate(around, axis=2).swapaxes(0, 1)), first, size)
+        first = np.concatenate([[0], np.cumsum((size + 1) ** 2)])
+        channels = maps[0].shape[2]
+        around = np.zeros((int(first[-1]), 4, 1 << (channels - 1).bit_length()), dtype=np.float32)
+        for image, begin, end in zip(maps, first[:-1], first[1:], strict=True):
+            cells = image.reshape(-1, channels)[corner_cells(len(image))]
+            around[begin:end, :, :channels] = cells.swapaxes(0, 1)
+        return cls(around.reshape(2 * len(around), -1), channels, first[:-1], size)
 
     def look(self, place: Floats, number: Ints | int) -> Floats:
         """Look places (2, P) up, each in the map with its `number` (P,), or all in one map: (C, P)."""
         corner, weights = corners(place, self.size[number])
-        corner = corner + self.first[number]
-        light = np.zeros((self.around.shape[1], place.shape[1]), dtype=np.float32)
-        for cells, weight in zip(self.around, weights, strict=True):
-            for channel, values in enumerate(cells):
-                light[channel] += weight * values.take(corner)
+        row = 2 * (corner + self.first[number])
+        light = np.zeros((self.channels, place.shape[1]), dtype=np.float32)
+        for lower in (0, 1):
+            cells = self.around.take(row + lower, axis=0).reshape(len(row), 2, -1)
+            for side in (0, 1):
+                for channel in range(self.channels):
+                    light[channel] += weights[2 * lower + side] * cells[:, side, channel]
         return light
 
 
