@@ -19,7 +19,7 @@ from ....bake.light_samples import LightSamples
 from ....core.arrays import Bools, Floats
 from ....core.colour_spaces import LUMINANCE
 from ..cells import CELLS
-from ..lookup.atlas import mirrored_light
+from ..lookup.atlas import lobes_light
 from ..samples import OwnRays
 from .bucket_grid import Block, BucketGrid
 from .known import Known
@@ -60,7 +60,7 @@ def fit_buckets(
         choices = (known.cells,)
     of_own, cells = choices[0] if len(choices) == 1 else fit.best(choices)
     model = fit.model(surface.grid, of_own)
-    shown = fit.shown(model)
+    (shown,) = fit.shown([model])
     rest: Floats = np.zeros((3, len(surface.grid), cells * cells), dtype=np.float32)
     if parts.rest:
         rest = fit.rest(model, shown, used, cells, 1.0 if known is None else known.share)
@@ -97,7 +97,7 @@ class _Fit:
         part = self.surface.grid.part
         half = random_half(self.used.shape, _SEED)
         models = [self.model(part, cells) for cells, _ in choices]
-        shown = [self.shown(model) for model in models]
+        shown = self.shown(models)
         errors = [
             self.error(model, told, cells, half, shown[0])
             for model, told, (_, cells) in zip(models, shown, choices, strict=True)
@@ -114,26 +114,32 @@ class _Fit:
             return _Model(grid, np.zeros((3, *free.shape[1:]), dtype=np.float32), free)
         return _Model(grid, self.own.buckets(grid, cells), free)
 
-    def shown(self, model: _Model) -> Floats:
-        """What the model says of its texels' samples, (3, K, S) float16; keeps their places."""
-        surface, grid, square = self.surface, model.grid, self.light.square
+    def shown(self, models: Sequence[_Model]) -> list[Floats]:
+        """What models of the same grid say of its texels' samples, (3, K, S) float16; keeps their places."""
+        surface, grid, square = self.surface, models[0].grid, self.light.square
         offset = (surface.plan.points - surface.around.middle).astype(np.float32)
         each = self.used.shape[1]
-        shown = np.empty((3, *self.used.shape), dtype=np.float16)
+        shown = [np.empty((3, *self.used.shape), dtype=np.float16) for _ in models]
 
         def look(block: Block) -> None:
             some = block.texels
             axis, cosine = mirrored_about(surface.plan, square, surface.normal, some)
             place = self.place.keep(some, octahedral(axis))
-            direct, share = mirrored_light(
-                surface.around, surface.materials, _for_each(offset[some], each).T, axis.reshape(3, -1).T,
-                _for_each(surface.normal[some], each).T, cosine.ravel(), surface.material[some].repeat(each),
-                surface.width[some].repeat(each), grid.gather(model.free, place, some)[0].ravel(),
-                model.cells,
+            lobes = list(
+                lobes_light(
+                    surface.around, surface.materials, _for_each(offset[some], each).T,
+                    axis.reshape(3, -1).T, _for_each(surface.normal[some], each).T, cosine.ravel(),
+                    surface.material[some].repeat(each), surface.width[some].repeat(each),
+                )
             )  # fmt: skip
-            if self.own is not None:
-                direct += share * grid.gather(model.own, place, some).reshape(3, -1)
-            shown[:, some] = halved(direct.reshape(3, -1, each) * surface.tint[some].T[..., None])
+            for model, kept in zip(models, shown, strict=True):
+                direct, share = (np.zeros((3, cosine.size), dtype=np.float32) for _ in range(2))
+                free = grid.gather(model.free, place, some)[0].ravel()
+                for lobe in lobes:
+                    lobe.add_to(direct, share, free, model.cells)
+                if self.own is not None:
+                    direct += share * grid.gather(model.own, place, some).reshape(3, -1)
+                kept[:, some] = halved(direct.reshape(3, -1, each) * surface.tint[some].T[..., None])
 
         grid.in_blocks(look, each)
         return shown

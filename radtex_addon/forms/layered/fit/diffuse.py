@@ -8,7 +8,7 @@ import numpy as np
 
 from ....bake.blocks import in_blocks, planes
 from ....bake.light_samples import LightSamples
-from ....core.arrays import Floats
+from ....core.arrays import Floats, Ints
 from ....core.colour_spaces import LUMINANCE
 from ....core.hemisphere import square_to_direction
 
@@ -28,34 +28,36 @@ def facing_of(light: LightSamples) -> Floats:
     return facing
 
 
-def fit_diffuse(samples: LightSamples, facing: Floats) -> tuple[Floats, Floats]:
-    """Fit the falloff (B, 3) of diffuse light, and each texel's diffuse radiance along the normal (K, 3).
+def fit_diffuse(samples: LightSamples, facing: Floats, texels: Ints) -> tuple[Floats, Floats]:
+    """Fit the falloff (B, 3) of diffuse light in some `texels` (k,), and its radiance along normals (k, 3).
 
-    `facing` (K, S): N.I of the samples, 0 for those that do not count. Returns the falloff first.
+    `facing` (K, S): N.I of all samples, 0 for those that do not count. Returns the falloff first.
     """
-    count = len(facing)
+    count, each = len(texels), facing.shape[1]
 
     def light(some: slice) -> Floats:
-        return np.where(facing[some] > 0, planes(samples.diffuse[some]), np.float32(0))
+        own = texels[some]
+        return np.where(facing[own] > 0, planes(samples.diffuse[own]), np.float32(0))
 
     def average(some: slice) -> Floats:
-        number = np.maximum(np.count_nonzero(facing[some], axis=1), 1)
+        number = np.maximum(np.count_nonzero(facing[texels[some]], axis=1), 1)
         found: Floats = light(some).sum(axis=2, dtype=np.float64) / number
         return found
 
-    mean = np.concatenate(in_blocks(average, *facing.shape), axis=1)
+    mean = np.concatenate(in_blocks(average, count, each), axis=1)
     if not mean.any():
         return np.ones((FALLOFF_SIZE, 3), dtype=np.float32), np.zeros((count, 3), dtype=np.float32)
     level = LUMINANCE @ mean
     weight = 1 / (level + level.mean() / 4)
 
     def sum_up(some: slice) -> Floats:
-        step = np.minimum((facing[some] * FALLOFF_SIZE).astype(np.intp), FALLOFF_SIZE - 1).ravel()
-        texel = (weight * mean)[:, some, None] * (facing[some] > 0)
+        cosine = facing[texels[some]]
+        step = np.minimum((cosine * FALLOFF_SIZE).astype(np.intp), FALLOFF_SIZE - 1).ravel()
+        texel = (weight * mean)[:, some, None] * (cosine > 0)
         columns = [*texel, *(weight[some, None] * light(some))]
         return np.stack([np.bincount(step, column.ravel(), FALLOFF_SIZE) for column in columns])
 
-    seen, shown = np.split(sum(in_blocks(sum_up, *facing.shape), np.zeros((6, FALLOFF_SIZE))), 2)
+    seen, shown = np.split(sum(in_blocks(sum_up, count, each), np.zeros((6, FALLOFF_SIZE))), 2)
     curve = np.divide(shown, seen, where=seen > 0, out=np.ones_like(seen))
     known = np.flatnonzero((seen >= 1e-3 * seen.max(axis=1, keepdims=True)).all(axis=0))
     for channel in curve:
@@ -63,13 +65,14 @@ def fit_diffuse(samples: LightSamples, facing: Floats) -> tuple[Floats, Floats]:
     falloff = (curve / np.maximum(curve[:, -1:], 1e-6)).T.astype(np.float32)
 
     def fit(some: slice) -> Floats:
-        part = planes(sample_falloff(falloff, facing[some].ravel())).reshape(3, *facing[some].shape)
-        part *= facing[some] > 0
+        cosine = facing[texels[some]]
+        part = planes(sample_falloff(falloff, cosine.ravel())).reshape(3, *cosine.shape)
+        part *= cosine > 0
         against = (part * part).sum(axis=2, dtype=np.float64)
         found: Floats = (part * light(some)).sum(axis=2, dtype=np.float64) / np.maximum(against, 1e-6)
         return found
 
-    frontal = np.concatenate(in_blocks(fit, *facing.shape), axis=1)
+    frontal = np.concatenate(in_blocks(fit, count, each), axis=1)
     return falloff, frontal.T.astype(np.float32)
 
 

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import cast
 
@@ -117,6 +117,41 @@ def mirrored_light(
     what the lobes' width² is multiplied by; `free` (N,) what the kept mask of `cells` x `cells` says.
     """
     direct, share = (np.zeros((3, len(axis)), dtype=np.float32) for _ in range(2))
+    for lobe in lobes_light(around, materials, offset, axis, normal, cosine, material, width):
+        lobe.add_to(direct, share, free, cells)
+    return direct, share
+
+
+@dataclass(frozen=True, eq=False)
+class LobeLight:
+    """What a lobe shows of the surroundings of `some` of N samples: `light` (3, n), and its `weight` (3, n).
+
+    `variance` (n,): its width².
+    """
+
+    some: Some
+    weight: Floats
+    variance: Floats
+    light: Floats
+
+    def add_to(self, direct: Floats, share: Floats, free: Floats, cells: int) -> None:
+        """Add it to what is returned by `mirrored_light`, (3, N) both; `free` and `cells` as there."""
+        seen = seen_free(free[self.some], self.variance, cells)
+        direct[:, self.some] += self.weight * seen * self.light
+        share[:, self.some] += self.weight * (1 - seen)
+
+
+def lobes_light(
+    around: Around,
+    materials: Sequence[Material],
+    offset: Floats,
+    axis: Floats,
+    normal: Floats,
+    cosine: Floats,
+    material: Ints,
+    width: Floats,
+) -> Iterator[LobeLight]:
+    """The lobes of all materials, with nothing before the surroundings; arguments as for `mirrored_light`."""
     for number, lobes in enumerate(materials):
         found = np.flatnonzero(material == number)
         if not len(found) or not lobes.weight.any():
@@ -126,10 +161,7 @@ def mirrored_light(
         turned = bent(_rows(axis, some), _rows(normal, some), bend)
         beside = _rows(offset, some)
         for one, wide in zip(weight, (variance * width[some]).astype(np.float32), strict=True):
-            seen = seen_free(free[some], wide, cells)
-            direct[:, some] += one * seen * around.look(beside, turned, wide)
-            share[:, some] += one * (1 - seen)
-    return direct, share
+            yield LobeLight(some, one, wide, around.look(beside, turned, wide))
 
 
 def _rows(values: Floats, some: Some) -> Floats:
