@@ -20,6 +20,7 @@ from .plan import CapturePlan
 
 _KERNEL = np.array([0.054489, 0.244201, 0.402620, 0.244201, 0.054489], dtype=np.float32)  # sigma 1 texel
 _NEAR = 6.0  # times the median distance between texels: farther ones belong to another island
+_POOLED_AT_ONCE = 1 << 18  # sums
 _TILE = 4  # texels along the side of a block pooled at once: OpenBLAS computes 16 x 64 x 256 on one core
 SHARE = float((_KERNEL**2).sum() ** 2)  # share of a sum's variance that is left after pooling
 
@@ -140,10 +141,13 @@ class Neighbours:
     def _pooled(self, table: Floats, blur: Blur) -> Floats:
         result = np.empty(table.shape, dtype=np.float32)
 
-        def pool(tile: _Tile) -> None:
-            result[:, tile.texels] = tile.weights @ table.take(tile.around, axis=1)
+        def pool(tiles: list[_Tile]) -> None:
+            for tile in tiles:
+                result[:, tile.texels] = tile.weights @ table.take(tile.around, axis=1)
 
-        side_by_side(pool, self._tiles(blur))
+        tiles = self._tiles(blur)
+        step = max(1, _POOLED_AT_ONCE // (table[:, :1].size * _TILE * _TILE))
+        side_by_side(pool, [tiles[first : first + step] for first in range(0, len(tiles), step)])
         return result
 
     def _tiles(self, blur: Blur) -> list[_Tile]:

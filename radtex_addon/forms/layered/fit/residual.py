@@ -78,7 +78,7 @@ def _samples(count: int, side: int, number: int) -> slice:
     """
     if side > _COARSE or count < _MANY:
         return slice(None)
-    step = next(step for step in _THINNED if math.isqrt(count) % step)
+    step = next((step for step in _THINNED if math.isqrt(count) % step), 1)
     return slice(number % step, None, step)
 
 
