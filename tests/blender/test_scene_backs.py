@@ -127,6 +127,17 @@ def test_crumbs_that_are_seen_from_behind_get_no_texels(side: float, counts: boo
 
 
 @pytest.mark.one_blender
+def test_what_is_inside_out_is_seen_from_behind_also_beside_a_closed_surface() -> None:
+    """A turned cube of 0.24 square units beside a cube of 24: nothing has an open edge."""
+    bpy.ops.mesh.primitive_cube_add(size=0.2, location=(3, 0, 0))
+    context.object.data.flip_normals()
+    bpy.ops.mesh.primitive_cube_add()
+    bpy.ops.object.select_all(action="SELECT")
+    bpy.ops.object.join()
+    assert seen().sum() == 12
+
+
+@pytest.mark.one_blender
 def test_a_twin_faces_the_other_way() -> None:
     mesh = read(bowl())
     faces = np.arange(len(mesh.triangles)) % 3 == 0

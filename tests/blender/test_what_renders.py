@@ -11,6 +11,7 @@ from typing import Any, Literal
 import bpy
 import numpy as np
 import pytest
+from mathutils import Vector
 
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.arrays import Floats
@@ -102,7 +103,7 @@ def test_a_bake_mirrors_lamps_and_floor_of_the_render_alone(out: Path) -> None:
     assert differences(before, fingerprint()) == {}
     around = read_layered(made.files.sidecar)[0].around
     towards = [found.place / np.linalg.norm(found.place) for found in around.lamps]
-    assert sorted(np.round(towards, 1).tolist()) == [[0, 0, 1], [1, 0, 0]]
+    assert sorted(np.round(towards, 2).tolist()) == [[0, 0, 1], [1, 0, 0]]
     planes = [layer.shape for layer in around.layers if isinstance(layer.shape, Plane)]
     assert [plane.height for plane in planes] == pytest.approx([2.6 - MIDDLE[2]], abs=1e-4)
 
@@ -226,6 +227,23 @@ def test_a_portal_is_no_lamp() -> None:
     assert len(lit(receiver)) == 1
     context.object.data.cycles.is_portal = True
     assert not lit(receiver)
+
+
+def test_a_mirrored_lamp_is_where_the_lamp_is(out: Path) -> None:
+    """To a third of a degree, for lamps of each type, some of them at the edges of the lamps' picture."""
+    ball()
+    places = {"POINT": (0, 0, -3), "SPOT": (2, 1, 3), "AREA": (-1, 3, -1), "SUN": (-2, -1, 2)}
+    for kind, place in places.items():
+        item = lamp(kind, (MIDDLE + place).tolist())
+        item.data.type = kind
+        item.rotation_euler = Vector(place).to_track_quat("Z", "Y").to_euler()
+    made = bake_object(context.scene, "Ball", SPEC, out)
+    found = [
+        one.place / np.linalg.norm(one.place) for one in read_layered(made.files.sidecar)[0].around.lamps
+    ]
+    wanted = [np.array(place) / np.linalg.norm(place) for place in places.values()]
+    assert len(found) == len(wanted)
+    assert (np.linalg.norm(np.array(found)[:, None] - wanted, axis=-1).min(axis=0) < np.radians(1 / 3)).all()
 
 
 def test_what_glossy_rays_do_not_see_is_no_near_thing() -> None:

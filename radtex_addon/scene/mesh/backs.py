@@ -17,7 +17,7 @@ from mathutils.bvhtree import BVHTree
 
 from ...bake.progress import Progress, Stage, Steps, finished
 from ...core.arrays import Bools, Floats, Ints, blocks
-from ...core.edges import inner_edges
+from ...core.edges import edge_keys, inner_edges
 from ...core.frame import normalised
 from ...core.islands import areas_on_surface, components, weld
 from ...core.ray_offset import ray_offset
@@ -28,6 +28,7 @@ from .triangle_tree import triangle_tree
 TWIN = "radtex_twin"  # attribute of faces: their twin's index, or -1; of twins: -2 minus their face's index
 _AT_ONCE = 1 << 14  # rays between two reports of progress
 _RAYS = 200_000  # about so many in total, in proportion to area, but at least one for each triangle
+_RAYS_IN_CLOSED = 20_000  # in total from the backs of a closed surface, unless one of them leaves it
 _LEAST, _MOST = 8, 512  # rays per triangle; in large meshes the least is lower
 _OFF = 0.05  # times a bake's ray offset: how far behind a triangle rays start; thin walls must be thicker
 _SPREAD = 3  # how often each triangle's result is averaged with its neighbours' results
@@ -53,7 +54,8 @@ def seen_from_behind_steps(mesh: EvaluatedMesh) -> Steps[Bools]:
     Backface Culling does not count, as Cycles ignores it. Where only a few crumbs of the mesh are seen from
     behind, none count: for a handful of texels, a fit UV layer would be given up, or an unwrap not fit into
     few texels. Of a mesh of many triangles a ray from each is cast only if one leaves it of those that start
-    all over it. Yields progress.
+    all over it. So it is with a closed surface, from which fewer start: its backs are seen only where it is
+    inside out, or cuts itself. Yields progress.
     """
     triangles = mesh.triangles
     area = areas_on_surface(mesh.position, triangles)
@@ -61,12 +63,16 @@ def seen_from_behind_steps(mesh: EvaluatedMesh) -> Steps[Bools]:
     if not wanted.any():
         return wanted
     tree = triangle_tree(mesh.position, triangles)
-    if len(triangles) > _RAYS and not (yield from _any_leaves(mesh, tree, area * wanted)):
-        return np.zeros(len(triangles), dtype=bool)
+    none = np.zeros(len(triangles), dtype=bool)
+    if len(triangles) > _RAYS and not (yield from _any_leaves(mesh, tree, area * wanted, _RAYS)):
+        return none
     vertex = weld(mesh.position)[triangles]
     wanted &= ~_paired(vertex)
     if not wanted.any():
         return wanted
+    few = len(triangles) <= _RAYS and _is_closed(vertex)
+    if few and not (yield from _any_leaves(mesh, tree, area * wanted, _RAYS_IN_CLOSED)):
+        return none
     share = yield from _leaving(mesh, tree, area, wanted)
     first, second = inner_edges(vertex).starts.T // 3
     count = np.bincount(np.concatenate([first, second]), minlength=len(triangles)) + 1
@@ -188,10 +194,20 @@ def _paired(vertex: Ints) -> Bools:
     return found
 
 
-def _any_leaves(mesh: EvaluatedMesh, tree: BVHTree, area: Floats) -> Steps[bool]:
-    """Whether any of _RAYS rays from the backs leaves the mesh; they start as densely all over the `area`."""
+def _is_closed(vertex: Ints) -> bool:
+    """Whether triangles (F, 3) run along each edge as often one way as the other: none has an open side."""
+    turns = np.where(vertex < np.roll(vertex, -1, axis=1), 1, -1).reshape(-1)
+    keys = edge_keys(vertex)
+    order = np.argsort(keys)
+    first = np.flatnonzero(np.diff(keys[order], prepend=keys[order[0]] + np.uint64(1)))
+    apart = (vertex != np.roll(vertex, -1, axis=1)).reshape(-1)
+    return not np.add.reduceat((turns * apart)[order], first).any()
+
+
+def _any_leaves(mesh: EvaluatedMesh, tree: BVHTree, area: Floats, rays: int) -> Steps[bool]:
+    """Whether any of some rays from the backs leaves the mesh; they start as densely all over the `area`."""
     so_far = np.cumsum(area)
-    place = (np.arange(_RAYS) + 0.5) / _RAYS * so_far[-1]
+    place = (np.arange(rays) + 0.5) / rays * so_far[-1]
     free = yield from _cast(mesh, tree, np.searchsorted(so_far, place), stop=True)
     return bool(free.any())
 

@@ -18,11 +18,12 @@ from typing import Any, cast
 import bpy
 import numpy as np
 
-from ....bake.plan import CapturePlan
+from ....bake.plan import MIN_IMAGE_SIDE, CapturePlan
 from ....bake.spec import Kind
-from ....core.arrays import Floats
+from ....core.arrays import Bools, Floats, Ints
 from ....core.atlas import AtlasLayout
 from ....core.frame import fallback_tangent, orthonormal_frame
+from ....core.hemisphere import mirror_direction, square_to_direction
 from ....core.octahedron import cell_directions
 from ....cycles.path_ends import place_exactly
 from ....cycles.portal import Aim, PortalCapture
@@ -40,6 +41,8 @@ log = logging.getLogger(__name__)
 
 _SIZE = 1024  # cells along a side of the picture
 _CELLS = 4.0  # that a lamp's radius covers in it, at least
+_CORNER = math.sqrt(2)  # times half a lamp's side: how far its corners are from its middle
+_BORDER = 4  # cells beside a lamp that are traced, too
 _FAR = 1e4  # where a sun is
 _NEAREST = 1e-4  # to the middle
 _BESIDE = 1.5  # times a lamp's radius: nearer to it than that, the middle does not see it from outside
@@ -139,14 +142,20 @@ def find_lamps(
         return ()
     anchor = cast(bpy.types.Object, bpy.data.objects.new("RadTex anchor", None))
     shown, shares = zip(*(_alone(lamp, anchor, middle) for lamp in lamps), strict=True)
+    direction = cell_directions(_SIZE).astype(np.float32)
+    copies = [LampShown(copy, lamp.matrix) for copy, lamp in zip(shown, lamps, strict=True)]
+    some = np.flatnonzero(np.any([_may_see(direction, copy, middle) for copy in copies], axis=0))
+    if not len(some):
+        return ()
     regroup(scene, {"RadTex lamps": shown})
     scene.world = dark_world()
-    direction, picture = _outward(middle)
-    aim = Aim(straight_shifts(len(picture.texel)))
+    picture, aim = _outward(middle, direction, some)
     capture = PortalCapture(scene, picture, Kind.REFLECTION, 1, 1, folder, aim)
     found = [capture.render_passes(tile).whole[..., :3].reshape(-1, 3) for tile in tiles_of(picture)]
+    radiance = np.zeros((len(direction), 3), dtype=np.float32)
+    radiance[some] = np.concatenate(found)
     towards = [lamp.towards(middle) for lamp in lamps]
-    return brightest(lamps_of(direction, np.concatenate(found), towards, shares))
+    return brightest(lamps_of(direction, radiance, towards, shares))
 
 
 def brightest(lamps: Sequence[Lamp]) -> tuple[Lamp, ...]:
@@ -221,13 +230,31 @@ def _alone(lamp: LampShown, anchor: bpy.types.Object, middle: Floats) -> tuple[b
     return copy, squares[0] / squares[1]
 
 
-def _outward(middle: Floats) -> tuple[Floats, CapturePlan]:
-    """The directions of an octahedral picture's cells (P, 3), and a plan of one ray from `middle` in each."""
-    direction = cell_directions(_SIZE).astype(np.float32)
-    tangent, bitangent, normal = orthonormal_frame(
-        direction, fallback_tangent(direction), np.ones(len(direction))
-    )
-    start = np.broadcast_to(middle, direction.shape)
-    fields = (start, tangent, bitangent, normal, normal)
-    packed = [np.array(field, dtype=np.float32).reshape(_SIZE, _SIZE, 3) for field in fields]
-    return direction, CapturePlan(AtlasLayout(_SIZE, _SIZE, 1), np.arange(_SIZE * _SIZE), *packed)
+def _may_see(direction: Floats, lamp: LampShown, middle: Floats) -> Bools:
+    """Which rays from the middle in unit directions (P, 3) may meet a lamp, and a few beside it: (P,)."""
+    towards = lamp.towards(middle)
+    distance = float(np.linalg.norm(towards))
+    around = _CORNER * lamp.diameter / 2
+    if around >= distance:
+        return np.ones(len(direction), dtype=bool)
+    angle = math.asin(around / distance) + _BORDER * math.sqrt(4 * math.pi) / _SIZE
+    found: Bools = direction @ (towards / distance).astype(np.float32) >= math.cos(min(angle, math.pi))
+    return found
+
+
+def _outward(middle: Floats, direction: Floats, some: Ints) -> tuple[CapturePlan, Aim]:
+    """A plan of one ray from `middle` in each of `some` (K,) of an octahedral picture's cells, and its aim.
+
+    Rays go through the cells' middles, `direction` (P, 3). No ray is aimed along its normal, so normals are
+    turned away from these.
+    """
+    aim = Aim(straight_shifts(len(some)))
+    side = max(MIN_IMAGE_SIDE, math.isqrt(len(some) - 1) + 1)
+    padded = some[np.minimum(np.arange(side * side), len(some) - 1)]
+    ahead = direction[padded].astype(np.float64)
+    along = mirror_direction(square_to_direction(aim.square(1)[0].astype(np.float64)))  # in a frame
+    turn = np.stack(orthonormal_frame(along, fallback_tangent(along), np.ones(1)), axis=1)[0]
+    frame = np.stack(orthonormal_frame(ahead, fallback_tangent(ahead), np.ones(len(ahead))), axis=1)
+    fields = [np.broadcast_to(middle, ahead.shape), *(turn.T @ frame).transpose(1, 0, 2), ahead]
+    packed = [np.array(field, dtype=np.float32).reshape(side, side, 3) for field in fields]
+    return CapturePlan(AtlasLayout(_SIZE, _SIZE, 1), some, *packed), aim
