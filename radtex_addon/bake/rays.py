@@ -17,7 +17,7 @@ CLEAR_SAMPLES = 16  # rays that vote on a shadow's bit where a material may let 
 PROBES = 2  # rays per cell of these buckets; a cell is hidden if all of its rays meet back faces
 
 WORLD_WIDTH = 1280  # of a layered bake's panorama of the world in pixels, one ray each: it is free of noise
-NEAR_WIDTH, NEAR_SAMPLES = 896, 3  # of those of near things, which are denoised; one more ray tells where
+NEAR_WIDTH, NEAR_SAMPLES = 896, 6  # of those of near things, which are denoised
 
 _SAMPLES = 16  # samples of a plain bake with 8 x 8 cells that costs as much as the default `LayeredRays`
 
@@ -43,7 +43,7 @@ class LayeredRays:
 
     def most(self, texels: int) -> int:
         """All paths of a bake of an opaque object that covers `texels` texels, if none of them is hidden."""
-        return texels * (self.of_texel + 1 + FINER**2 + PROBES * PROBE_CELLS**2) + panorama_paths(2)
+        return texels * (self.of_texel + 1 + FINER**2 + PROBES * PROBE_CELLS**2) + most_panorama_paths()
 
 
 def finer(texels: int) -> float:
@@ -69,6 +69,9 @@ def step_to(shape: tuple[int, ...], whole: tuple[int, ...]) -> float:
     return 1.0 if shape[:2] == whole[:2] else coarser(max(whole[:2]))
 
 
-def panorama_paths(layers: int, world: int = WORLD_WIDTH, near: int = NEAR_WIDTH) -> int:
-    """Paths of a layered bake's panoramas, of the world and of so many layers, of these widths in pixels."""
-    return world**2 // 2 + layers * (NEAR_SAMPLES + 1) * near**2 // 2
+def most_panorama_paths() -> int:
+    """Paths of a layered bake's panoramas, if it stands on a plane and other things are all around it.
+
+    Of the plane there is only the half below its horizon; of other things one more path tells where they are.
+    """
+    return WORLD_WIDTH**2 // 2 + NEAR_SAMPLES * NEAR_WIDTH**2 // 4 + (NEAR_SAMPLES + 1) * NEAR_WIDTH**2 // 2

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import logging
 import math
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,9 +14,11 @@ from typing import Any, cast
 
 import bpy
 import numpy as np
+from mathutils import Euler, Matrix, Vector
 
-from ....bake.rays import NEAR_SAMPLES, NEAR_WIDTH, WORLD_WIDTH, panorama_paths
-from ....core.arrays import Floats
+from ....bake.rays import NEAR_SAMPLES, NEAR_WIDTH, WORLD_WIDTH
+from ....core.arrays import Floats, Ints
+from ....core.errors import BakeError
 from ....cycles.building_blocks import render_layers
 from ....cycles.denoiser import can_denoise
 from ....cycles.passes import finite_light
@@ -39,6 +41,10 @@ _CLIP = 1e-3  # of the object's radius, and at most in scene units: nearer thing
 EYE = 2.0  # times the middle's height above a plane: whence it is seen, or its far parts are a few pixels
 _FLAT = 1e-3  # thickness of a flat thing, in its length
 _SOLID = 0.99  # alpha of a pixel that its layer covers
+_BORDER = 64  # pixels that are rendered around things: OpenImageDenoise dims or brightens narrow pictures
+_DARK = 2.0**-16  # OpenImageDenoise makes an eighth of that of black; half floats hold it roughly
+_ALL = slice(None)
+_UP = np.array([0.0, 0.0, 1.0])
 _NO_SURFACE = frozenset({"LIGHT", "LIGHT_PROBE", "CAMERA", "SPEAKER", "EMPTY", "ARMATURE", "LATTICE"})
 
 
@@ -173,32 +179,67 @@ def look_around(
     The subjects lie in a sphere of `radius` about `middle` (3,). Panoramas show what glossy rays see. Their
     width and that of the resulting pictures is a `share` of the usual.
 
-    Raises BakeError where Cycles fails.
+    Only what a layer can show is rendered of its panorama: of a plane what lies below its horizon, of other
+    things a rectangle around them. Raises BakeError where Cycles fails.
     """
     world_width, near_width, size = (int(share * side) for side in (WORLD_WIDTH, NEAR_WIDTH, PICTURE_SIZE))
     near = near_things(scene, subjects)
     with scene_copied(scene) as bare:
         regroup(bare, {})
         bare.world = world_in_reflections(bare.world)
-        seen = _Camera(bare, middle, radius, folder, seed).render(world_width, 1)
+        distant = _Camera(bare, middle, radius, folder, seed)
+        seen = distant.render(world_width, 1)
     world = Pictures.of(panorama_directions(world_width), seen["Combined"][..., :3], size)
-    direction = panorama_directions(near_width)
-    layers = []
-    homes = _group(scene, near)
+    layers, homes = [], _group(scene, near)
     camera = _Camera(scene, middle, radius, folder, seed)
     scene.render.film_transparent = True
     with as_glossy_rays_see(scene), materials_in_reflections(), _unlinked_dark(scene, subjects):
         for things, home in zip(near, homes, strict=True):
             plane = None if things.plane is None else _seen_from_above(*things.plane, middle, radius)
-            camera.move(middle if plane is None else middle + plane.eye)
             for other in homes:
                 other.indirect_only = other != home
-            seen = camera.render(near_width, NEAR_SAMPLES, denoise=True)
-            where = camera.render(near_width, 1, position=True)
-            if layer := _layer(plane, direction, seen["Combined"], where, middle, size):
+            if plane is None:
+                camera.place(middle)
+                layer = _impostor_layer(camera, near_width, middle, size)
+            else:
+                camera.place(middle + plane.eye, plane.normal)
+                layer = _plane_layer(camera, near_width, plane, size)
+            if layer is not None:
                 layers.append(layer)
-    paths = panorama_paths(len(near), world_width, near_width)
-    return Panoramas(world, tuple(layers), paths)
+    return Panoramas(world, tuple(layers), distant.paths + camera.paths)
+
+
+def _plane_layer(camera: _Camera, width: int, plane: Plane, size: int) -> Layer | None:
+    """The picture of a plane below the camera; None if nothing is seen of it."""
+    below = slice(0, width // 4)
+    light = camera.render(width, NEAR_SAMPLES, below, denoise=True)["Combined"]
+    if not light[..., 3].any():
+        return None
+    direction = camera.directions(width)[below]
+    return Layer(Pictures.of(*_with_mirror_image(plane, direction, light), size), plane)
+
+
+def _impostor_layer(camera: _Camera, width: int, middle: Floats, size: int) -> Layer | None:
+    """The picture of all that is seen, and how far away it is; None if nothing is."""
+    where = camera.render(width, 1, position=True)
+    direction, alpha = camera.directions(width), where["Combined"][..., 3]
+    distance = np.linalg.norm(where["Position"][..., :3] - middle, axis=-1)
+    solid = (alpha > _SOLID) & np.isfinite(distance) & (distance > 0)
+    if not solid.any():
+        return None
+    rows, columns = (
+        _around(np.flatnonzero(some), len(some)) for some in (alpha.any(axis=1), alpha.any(axis=0))
+    )
+    light = np.zeros((*alpha.shape, 4), dtype=np.float32)
+    seen = camera.render(width, NEAR_SAMPLES, rows, columns, denoise=True)
+    light[rows, columns] = seen["Combined"]
+    shape = Impostor.of(direction[solid], distance[solid])
+    return Layer(Pictures.of(direction, light, size), shape)
+
+
+def _around(some: Ints, count: int) -> slice:
+    """A range of `count` pixels that holds `some` (N,) of them, and a border for what their edges hide."""
+    return slice(max(0, int(some[0]) - _BORDER), min(count, int(some[-1]) + 1 + _BORDER))
 
 
 @contextmanager
@@ -227,26 +268,6 @@ def _unlinked_dark(scene: bpy.types.Scene, subjects: Collection[bpy.types.Object
     finally:
         for slot, material in zip(slots, before, strict=True):
             slot.material = material
-
-
-def _layer(
-    plane: Plane | None,
-    direction: Floats,
-    light: Floats,
-    where: Mapping[str, Floats],
-    middle: Floats,
-    size: int,
-) -> Layer | None:
-    """What is seen in directions (H, W, 3), of radiance `light` and at `where`; None if it covers nothing."""
-    position = where["Position"].reshape(direction.size // 3, -1)[:, :3]
-    distance = np.linalg.norm(position - middle, axis=1)
-    solid = (where["Combined"][..., 3] > _SOLID).ravel() & np.isfinite(distance) & (distance > 0)
-    if not solid.any():
-        return None
-    if plane is not None:
-        return Layer(Pictures.of(*_with_mirror_image(plane, direction, light), size), plane)
-    shape = Impostor.of(direction.reshape(-1, 3)[solid], distance[solid])
-    return Layer(Pictures.of(direction, light, size), shape)
 
 
 def _group(scene: bpy.types.Scene, near: Sequence[Near]) -> list[bpy.types.LayerCollection]:
@@ -292,45 +313,86 @@ class _Camera:
     def __init__(
         self, scene: bpy.types.Scene, middle: Floats, radius: float, folder: Path, seed: int
     ) -> None:
-        self._scene, self._folder, self._seed = scene, folder, seed
+        self._scene, self._folder = scene, folder
+        self.paths = 0  # that were traced
         data = bpy.data.cameras.new("RadTex panorama")
         cast(Any, data).type = "PANO"
         cast(Any, data).panorama_type = "EQUIRECTANGULAR"
         data.clip_start = _CLIP * min(1.0, radius)
-        camera = bpy.data.objects.new("RadTex panorama", data)
-        camera.location, camera.rotation_euler = middle.tolist(), (math.pi / 2, 0, 0)
-        scene.collection.objects.link(camera)
-        scene.camera = camera
+        self._turn = Matrix.Identity(3)
+        scene.camera = bpy.data.objects.new("RadTex panorama", data)
+        scene.collection.objects.link(scene.camera)
+        self.place(middle)
+        _settle(scene, seed)
 
-    def move(self, place: Floats) -> None:
-        """Let the next renders be from another place, (3,) in world space."""
-        cast(Any, self._scene.camera).location = place.tolist()
+    def place(self, place: Floats, up: Floats = _UP) -> None:
+        """Let the next renders be from another place, (3,) in world space; their top rows look along `up`."""
+        self._turn = Vector(_UP.tolist()).rotation_difference(Vector(up.tolist())).to_matrix()
+        camera = cast(Any, self._scene.camera)
+        camera.location = place.tolist()
+        camera.rotation_euler = (self._turn @ Euler((math.pi / 2, 0, 0)).to_matrix()).to_euler()
+
+    def directions(self, width: int) -> Floats:
+        """World directions of a picture's pixels, (width / 2, width, 3), rows from the bottom."""
+        return panorama_directions(width) @ np.array(self._turn, dtype=np.float32).T
 
     def render(
-        self, width: int, samples: int, denoise: bool = False, position: bool = False
+        self,
+        width: int,
+        samples: int,
+        rows: slice = _ALL,
+        columns: slice = _ALL,
+        denoise: bool = False,
+        position: bool = False,
     ) -> dict[str, Floats]:
-        """The picture's passes by their names, (H, W, C), rows from the bottom; light in Rec.709."""
+        """Passes of some pixels by their names, (H, W, C), rows from the bottom; light in Rec.709."""
         scene = self._scene
         render, cycles = scene.render, cast(Any, scene).cycles
-        cast(Any, render).engine = "CYCLES"
-        cycles.samples, cycles.seed, cycles.use_adaptive_sampling = samples, self._seed, False
-        cycles.pixel_filter_type, cycles.use_denoising = "BOX", denoise and can_denoise(scene)
+        cycles.samples, cycles.use_denoising = samples, denoise and can_denoise(scene)
         if denoise and not cycles.use_denoising:
             log.warning("this Blender has no OpenImageDenoise: what the object mirrors stays noisy")
-        render.resolution_x, render.resolution_y, render.resolution_percentage = width, width // 2, 100
-        image = render.image_settings
-        if hasattr(image, "media_type"):
-            image.media_type = "MULTI_LAYER_IMAGE"
-        image.file_format, image.color_depth = "OPEN_EXR_MULTILAYER", "32"
+        render.resolution_x, render.resolution_y = width, width // 2
+        low, high, _ = rows.indices(width // 2)
+        render.border_min_y, render.border_max_y = _border(low, high, width // 2)
+        left, right, _ = columns.indices(width)
+        render.border_min_x, render.border_max_x = _border(left, right, width)
         find_view_layer(scene, None).use_pass_position = position
         path = self._folder / "panorama.exr"
         render.filepath = render_path(path)
         passes = render_layers(scene, path)
         path.unlink()
         light = finite_light(passes.whole)
+        if light.shape[:2] != (high - low, right - left):
+            raise BakeError(
+                f"Cycles returned a picture of {light.shape[:2]}, expected {(high - low, right - left)}"
+            )
+        if cycles.use_denoising:
+            light = np.where(np.abs(light) > _DARK, light, light.dtype.type(0))
+        self.paths += samples * (high - low) * (right - left)
         if passes.to_rec709 is not None:  # colours beyond Rec.709 are below 0
             light = np.concatenate([np.maximum(light[..., :3], 0), light[..., 3:]], axis=-1)
         return passes.raw | {"Combined": light}
+
+
+def _settle(scene: bpy.types.Scene, seed: int) -> None:
+    """Settings that all panoramas of a scene share."""
+    render, cycles = scene.render, cast(Any, scene).cycles
+    cast(Any, render).engine = "CYCLES"
+    cycles.seed, cycles.use_adaptive_sampling, cycles.pixel_filter_type = seed, False, "BOX"
+    # Prefilters cost more time than twice the samples, which do more:
+    cycles.denoising_prefilter, cycles.denoising_quality = "FAST", "HIGH"
+    cycles.denoising_input_passes = "RGB_ALBEDO_NORMAL"
+    render.resolution_percentage = 100
+    render.use_border = render.use_crop_to_border = True
+    image = render.image_settings
+    if hasattr(image, "media_type"):
+        image.media_type = "MULTI_LAYER_IMAGE"
+    image.file_format, image.color_depth, image.exr_codec = "OPEN_EXR_MULTILAYER", "32", "NONE"
+
+
+def _border(first: int, end: int, count: int) -> tuple[float, float]:
+    """Pixels `first` … `end` - 1 of `count` as a border's sides; a quarter of a pixel keeps rounding safe."""
+    return (first + 0.25) / count if first else 0.0, min(1.0, (end + 0.25) / count)
 
 
 def panorama_directions(width: int) -> Floats:
