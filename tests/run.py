@@ -9,8 +9,9 @@
 
 Each Blender has an environment of its own (.venv-4.5, .venv-5.2), made from uv.lock when needed.
 They run side by side, each line behind its Blender's number. A run of everything gives the newest's tests
-of real programs, which often wait, a process of their own, and leaves to the newest what is marked
-`one_blender`, because Blender has no part in it. RADTEX_EVERY_BLENDER=1 runs all of it on all.
+of real programs, which often wait, a process of their own, and half of its files that start bakes another. It
+leaves to the newest what is marked `one_blender`, because Blender has no part in it. RADTEX_EVERY_BLENDER=1
+runs all of it on all.
 At the end stands what the tests cost: the sum by folder, beside its budget, the dearest tests, and how often
 a bake was made or a program started (`--costs FILE` also writes each test's). Then what failed is named, with
 the end of what pytest said of it, and the last line sums up, as pytest would; the exit code is 0 only if all
@@ -53,6 +54,7 @@ BUDGETS = {
     "tests/export": 10,
     "tests/report": 10,
 }
+BAKES = "tests/blender"  # half of the processor time
 REAL = "tests/real"  # where other programs are started, in the newest Blender's run alone
 
 
@@ -69,7 +71,7 @@ def main() -> int:
     if not pytest_arguments and NEWEST in runs:
         everywhere = [f"--ignore={REAL}", "-m", "not one_blender"]
         runs = dict.fromkeys(runs, [] if os.environ.get("RADTEX_EVERY_BLENDER") else everywhere)
-        runs |= {NEWEST: [f"--ignore={REAL}"], f"{NEWEST} real": [REAL]}
+        runs |= {f"{NEWEST} real": [REAL], **in_two(NEWEST)}
     with tempfile.TemporaryDirectory() as shared, ThreadPoolExecutor(len(runs)) as pool:
         ended = [
             pool.submit(run_pytest, name, arguments, Path(shared), len(runs) > 1)
@@ -87,6 +89,13 @@ def main() -> int:
     counts = sum((outcome.counts for _, outcome in outcomes), Counter[str]())
     print(summary(counts, perf_counter() - started), flush=True)
     return max((code for code, _ in outcomes), key=abs)
+
+
+def in_two(blender: str) -> dict[str, list[str]]:
+    """Two runs of all but real programs, of about the same length, so that no core waits at the end."""
+    files = sorted(path.relative_to(ROOT).as_posix() for path in (ROOT / BAKES).glob("test_*.py"))
+    others = [f"--ignore={file}" for file in files[::2]]
+    return {blender: [f"--ignore={REAL}", *others], f"{blender} bakes": files[::2]}
 
 
 @dataclass(frozen=True)

@@ -198,7 +198,6 @@ class Shot:
             "sky": self.sky,
             "copies": [matrix.tolist() for matrix in self.copies],
             "as_nodes": self.as_nodes,
-            "pixels": self.camera.pixels,
             "output": output,
         }
 
@@ -342,7 +341,7 @@ def pictures(
     shutil.copy(_PROJECT / "serve.gd", folder)
     place = f"res://{name}" if name else "res:/"
     found = _shown(root, inside, folder / name, place, renderer, shots)
-    root.end_server(_serving(inside, renderer))
+    root.end_server(_serving(inside, renderer, shots[0].camera.pixels))
     return found
 
 
@@ -353,7 +352,7 @@ def _shown(
     facts = [shot.facts(f"{place}/{output}") for shot, output in zip(shots, outputs, strict=True)]
     asked = {"scene": f"{place}/main.tscn", "shots": facts}
     (folder / "asked.json").write_text(json.dumps(asked), encoding="utf-8")
-    _ask(root, inside, renderer, f"{place}/asked.json")
+    _ask(root, inside, renderer, f"{place}/asked.json", shots[0].camera.pixels)
     taken = [light_of(folder / output) for output in outputs]
     for output, shot, picture in zip(outputs, shots, taken, strict=True):
         assert picture.shape == (shot.camera.pixels, shot.camera.pixels, 3), picture.shape
@@ -361,15 +360,15 @@ def _shown(
     return taken
 
 
-def _serving(inside: str, renderer: str) -> list[str]:
-    """The Godot of a project that draws what it is asked for."""
+def _serving(inside: str, renderer: str, pixels: int) -> list[str]:
+    """The Godot of a project that draws what it is asked for, in a window that keeps its size."""
     godot = ["godot", "--audio-driver", "Dummy", "--path", inside, *ALL_RENDERERS[renderer]]
-    return screen([*godot, "--resolution", "256x256", "--script", "res://serve.gd"])
+    return screen([*godot, "--resolution", f"{pixels}x{pixels}", "--script", "res://serve.gd"])
 
 
-def _ask(root: Root, inside: str, renderer: str, path: str) -> None:
+def _ask(root: Root, inside: str, renderer: str, path: str, pixels: int = 256) -> None:
     """Have a project's Godot draw what a file asks for; AssertionError where it found an error."""
-    _unless_error(root.ask(_serving(inside, renderer), path))
+    _unless_error(root.ask(_serving(inside, renderer, pixels), path))
 
 
 def _unless_error(said: str) -> None:

@@ -23,7 +23,6 @@ func shoot(scene: String, shots: Array) -> void:
 	var main: Node3D = load(scene).instantiate()
 	root.add_child(main)
 	root.msaa_3d = Viewport.MSAA_DISABLED  # the reference looks through the middles of pixels
-	root.size = Vector2i(shots[0].pixels, shots[0].pixels)
 	await process_frame
 	var camera: Camera3D = main.get_node("Camera")
 	camera.current = true
