@@ -2,17 +2,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What each test costs: a pytest plugin, whose figures tests/run.py reads from the JUnit report.
 
-A test's properties are `cpu`, the seconds of processor time of its process and of what it started and waited
-for, its fixtures included, `bakes`, how many sidecars were written in its process, and `starts`, the programs
-that it started, each as often as it was.
+A test's properties are `cpu`, the seconds of processor time of its process and of all that this started,
+also of what goes on and serves other tests (on Linux), fixtures included, `bakes`, how many sidecars were
+written in its process, and `starts`, the programs that it started, each as often as it was.
 """
 
 from __future__ import annotations
 
 import os
 import sys
+from collections import defaultdict
 from collections.abc import Iterator
-from pathlib import PurePath
+from contextlib import suppress
+from pathlib import Path, PurePath
 from typing import Any
 
 import pytest
@@ -33,6 +35,7 @@ _PROGRAMS = {
     "node",
 }
 _PROGRAMS |= {"npm", "pip", "spirv-cross", "spirv-dis", "spirv-val", "uv", "xatlas_worker.py"}
+_TICKS = os.sysconf("SC_CLK_TCK") if hasattr(os, "sysconf") else 100  # a second, in /proc
 _sidecars: list[str] = []  # that this test wrote in this process
 _starts: list[str] = []  # the programs that it started
 
@@ -59,7 +62,24 @@ def _is_sidecar(path: str) -> bool:
 
 def _seconds() -> float:
     times = os.times()
-    return times.user + times.system + times.children_user + times.children_system
+    return times.user + times.system + times.children_user + times.children_system + _of_living_children()
+
+
+def _of_living_children() -> float:
+    """Their processor time and that of theirs; what has ended is its parent's already."""
+    spent: dict[int, float] = {}
+    children = defaultdict(list)
+    for file in Path("/proc").glob("[0-9]*/stat"):
+        with suppress(OSError):  # it has ended
+            facts = file.read_text().rpartition(")")[2].split()
+            spent[int(file.parent.name)] = sum(map(int, facts[11:15])) / _TICKS
+            children[int(facts[1])].append(int(file.parent.name))
+    found, waiting = 0.0, children[os.getpid()]
+    while waiting:
+        one = waiting.pop()
+        found += spent[one]
+        waiting += children[one]
+    return found
 
 
 sys.addaudithook(_watch)

@@ -53,6 +53,7 @@ BUDGETS = {
     "tests/bake": 20,
     "tests/export": 10,
     "tests/report": 10,
+    "tests/bench": 10,
 }
 BAKES = "tests/blender"  # half of the processor time
 REAL = "tests/real"  # where other programs are started, in the newest Blender's run alone
