@@ -133,6 +133,20 @@ def half_clear(name: str) -> Any:
     return made
 
 
+def middle_of_preview(name: str, spec: BakeSpec, out: Path, pixels: int, samples: int) -> Floats:
+    """The colour and alpha in the middle of a preview's picture, (4,), by the active object, a camera."""
+    context.scene.camera = context.object
+    context.scene.view_settings.view_transform = "Raw"
+    context.scene.render.film_transparent = True
+    made = bake_object(context.scene, name, spec, out, preview=Filter.QUADRILINEAR)
+    assert made.files.preview is not None
+    picture = out.parent / "picture.png"
+    render_picture(made.files.preview, picture, pixels=pixels, samples=samples)
+    with PIL.Image.open(picture) as opened:
+        found: Floats = np.asarray(opened)[pixels // 2, pixels // 2] / 255
+    return found
+
+
 def test_a_preview_shows_the_far_side_once(out: Path) -> None:
     stage.world((1, 0, 0))
     bpy.ops.mesh.primitive_uv_sphere_add(segments=32, ring_count=16)
@@ -140,16 +154,8 @@ def test_a_preview_shows_the_far_side_once(out: Path) -> None:
     ball.name = "Ball"
     ball.data.materials.append(half_clear("Half"))
     bpy.ops.object.camera_add(location=(0, -6, 0), rotation=(np.pi / 2, 0, 0))
-    context.scene.camera = context.object
-    context.scene.view_settings.view_transform = "Raw"
-    context.scene.render.film_transparent = True
     spec = BakeSpec(texels=32, bucket=4, samples=4)
-    made = bake_object(context.scene, "Ball", spec, out, preview=Filter.QUADRILINEAR)
-    assert made.files.preview is not None
-    picture = out.parent / "picture.png"
-    render_picture(made.files.preview, picture, pixels=64, samples=8)
-    with PIL.Image.open(picture) as opened:
-        seen = np.asarray(opened)[32, 32] / 255
+    seen = middle_of_preview("Ball", spec, out, pixels=64, samples=8)
     through = HALF * HALF
     assert seen[3] == pytest.approx(1 - through, abs=0.02), "walls are two, no more"
     assert seen[0] == pytest.approx(0, abs=0.02), "a world that the film leaves out"
@@ -163,16 +169,8 @@ def test_an_open_mesh_shows_both_its_sides(out: Path) -> None:
     card.name = "Card"
     card.data.materials.append(stage.material("Card", "ShaderNodeEmission", Color=(0, HALF, 0, 1)))
     bpy.ops.object.camera_add(location=(0, 6, 0), rotation=(-np.pi / 2, np.pi, 0))
-    context.scene.camera = context.object
-    context.scene.view_settings.view_transform = "Raw"
-    context.scene.render.film_transparent = True
     spec = BakeSpec(texels=16, bucket=4, samples=1)
-    made = bake_object(context.scene, "Card", spec, out, preview=Filter.QUADRILINEAR)
-    assert made.files.preview is not None
-    picture = out.parent / "picture.png"
-    render_picture(made.files.preview, picture, pixels=32, samples=4)
-    with PIL.Image.open(picture) as opened:
-        seen = np.asarray(opened)[16, 16] / 255
+    seen = middle_of_preview("Card", spec, out, pixels=32, samples=4)
     np.testing.assert_allclose(seen, [0, HALF, 0, 1], atol=0.02)
 
 
