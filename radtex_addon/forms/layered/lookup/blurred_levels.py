@@ -29,7 +29,7 @@ def blurred_levels(direction: Floats, light: Floats, size: int) -> tuple[tuple[F
     Returns the levels, (M, M, C) float32, of the sizes in `level_sizes`, and the variance `sharpest`: level l
     is blurred by `sharpest` 4^l; the first is blurred by its own cells only.
     """
-    sharpest = (_SMOOTH / size) ** 2
+    sharpest = sharpest_variance(size)
     levels = [mean_map(direction, light, size)]
     for number, side in enumerate(level_sizes(size, level_count(size))):
         if number:
@@ -108,6 +108,11 @@ def _blurred(image: Floats, size: int, variance: float) -> Floats:
         return total / _BLUR_TAPS
 
     return np.concatenate(in_blocks(blurred, size * size, 1), axis=1).T.reshape(size, size, -1)
+
+
+def sharpest_variance(size: int) -> float:
+    """The variance, radians², of which level l > 0 of pictures with `size` cells a side has 4^l times."""
+    return (_SMOOTH / size) ** 2
 
 
 def level_count(size: int) -> int:

@@ -15,7 +15,7 @@ from ....core.arrays import Floats, Ints
 from ....core.gutter import dilate, nearest_covered
 from ....core.octahedron import cell_directions, direction_to_octahedron, octahedron_cell
 from ..cells import DISTANCES
-from .blurred_levels import LevelMaps, blurred_levels
+from .blurred_levels import LevelMaps, blurred_levels, level_count, level_sizes, sharpest_variance
 from .lobes import lobe
 
 MOST_LAMPS = 8  # that shaders mirror
@@ -40,6 +40,10 @@ class Pictures:
         """The means of `values` (P, 3) or (P, 4), seen in unit directions (P, 3), in size x size cells."""
         direction = direction.reshape(-1, 3).astype(np.float32)
         values = values.reshape(len(direction), -1).astype(np.float32)
+        if len(values) and (values == values[0]).all():  # a world of one colour: blurred it is the same
+            sides = level_sizes(size, level_count(size))
+            levels = tuple(np.tile(values[0], (side, side, 1)) for side in sides)
+            return cls(levels, sharpest_variance(size))
         levels, sharpest = blurred_levels(direction, values, size)
         gaussian = cls(levels, sharpest)
         return cls((levels[0], *(gaussian._tailed(number) for number in range(1, len(levels)))), sharpest)
