@@ -9,9 +9,9 @@
 
 Each Blender has an environment of its own (.venv-4.5, .venv-5.2), made from uv.lock when needed.
 They run side by side, each line behind its Blender's number. A run of everything gives the newest's tests
-of real programs, which often wait, a process of their own, and half of its files that start bakes another. It
-leaves to the newest what is marked `one_blender`, because Blender has no part in it. RADTEX_EVERY_BLENDER=1
-runs all of it on all.
+of real programs a process of their own, before which the others step back (`nice`), because it takes longest,
+and half of its files that start bakes another. It leaves to the newest what is marked `one_blender`, because
+Blender has no part in it. RADTEX_EVERY_BLENDER=1 runs all of it on all.
 At the end stands what the tests cost: the sum by folder, beside its budget, the dearest tests, and how often
 a bake was made or a program started (`--costs FILE` also writes each test's). Then what failed is named, with
 the end of what pytest said of it, and the last line sums up, as pytest would; the exit code is 0 only if all
@@ -134,6 +134,8 @@ def run_pytest(name: str, arguments: list[str], shared: Path, beside: bool) -> t
     """
     blender = name.split(maxsplit=1)[0]
     command = [UV, "run", "--frozen", "--python", PYTHON_OF[blender]]
+    if beside and arguments[:1] != [REAL] and (nice := shutil.which("nice")):
+        command = [nice, *command]
     command += ["--no-default-groups", f"--group=blender-{blender.replace('.', '')}", "--group=test"]
     command += ["python", "-m", "pytest"]
     environment = os.environ | {"UV_PROJECT_ENVIRONMENT": str(ROOT / f".venv-{blender}")}
