@@ -166,7 +166,7 @@ def test_a_missing_bake_is_said_where_one_sees_it(web: Site, packed: Path) -> No
             const words = [...range.getClientRects()].at(-1);
             return [words.top, words.bottom];
         }""")
-        assert 0 <= top < bottom <= 700, "below the window's edge, on a page that does not scroll"
+        assert 0 <= top < bottom <= 500, "below the window's edge, on a page that does not scroll"
 
 
 def test_it_runs_without_a_bundler(web: Site, exhibit: Exhibit, packed: Path) -> None:

@@ -30,7 +30,7 @@ HEADER = 90  # pixels at the top that words may cover
 def opened(web: Site, exhibit: Exhibit) -> Iterator[Shown]:
     """The plain bake, on the screen."""
     web.add("plain", exhibit.plain)
-    with web.opened("plain/") as shown:
+    with web.opened("plain/", 1000, 700) as shown:
         yield shown.wait()
 
 

@@ -209,7 +209,7 @@ def check_controls(shown: Shown, own: list[str], others: list[str]) -> None:
 def test_dragging_with_shift_turns_the_sun(web: Site, kind_bake: Bakes) -> None:
     """And nothing else: the camera stays, no point is inspected, and the sliders follow."""
     web.add("shadow-8", kind_bake(Kind.SHADOW, 8))
-    with web.opened("shadow-8/", 900, 500) as shown:
+    with web.opened("shadow-8/") as shown:
         shown.wait()
         page, mouse = shown.page, shown.page.mouse
         assert page.get_by_text("Shift-drag in the picture turns the sun").is_visible()

@@ -165,7 +165,7 @@ def test_the_flat_lightmap_is_seen_before_the_textures_come(web: Site, copied: P
 def test_a_lost_graphics_device_comes_back(web: Site, copied: Path) -> None:
     with web.opened("spoilt/") as shown:
         before = shown.wait().pixels()
-        look = "radtex.inspect(innerWidth / 2, innerHeight / 2)"
+        look = "radtex.inspect(innerWidth / 3, innerHeight / 2)"
         inspected = shown.page.evaluate(look)
         shown.page.evaluate("""async () => {
             const canvas = document.getElementById("view");

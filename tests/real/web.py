@@ -61,7 +61,7 @@ class Site:
 
     @contextmanager
     def opened(
-        self, name: str, width: int = 1000, height: int = 700, before: str = "", **context: Any
+        self, name: str, width: int = 760, height: int = 500, before: str = "", **context: Any
     ) -> Iterator[Shown]:
         """A tab with the export of that name; `before` is a script that runs before the page's."""
         page = tab_of(self.browser, before, viewport={"width": width, "height": height}, **context)
