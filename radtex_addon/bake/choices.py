@@ -8,7 +8,7 @@ from enum import StrEnum
 from typing import TypeVar
 
 from ..core.errors import InputError
-from ..formats.containers.exr import Compression
+from ..formats.containers.compression import Compression
 from .kinds import Kind, Layout
 from .layers import Layer
 from .parts import Split
