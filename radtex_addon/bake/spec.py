@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import cast
 
-from ..formats.containers.exr import Compression
+from ..formats.containers.compression import Compression
 from .choices import (
     CaptureMethod,
     Unwrap,
@@ -52,7 +52,8 @@ __all__ = [
 class BakeSpec(SpecFields):
     """One bake: `texels` on the atlas's longer side, `bucket` cells on a bucket's side, `samples` per cell.
 
-    Enums may be given as text. Raises InputError for what cannot be baked.
+    Enums may be given as text. Raises InputError for what cannot be baked. Fields for which their row in
+    `bake.options` says enough are not told of here.
 
     * `density`: texels per metre of surface, from which the atlas's size follows; `texels` is then what is
       known of it, an estimate until the unwrap (`job.about_texels`). None: the atlas has `texels`.
@@ -82,8 +83,6 @@ class BakeSpec(SpecFields):
       atlas is of one `part`, a material's name or a UDIM tile's number; None for an atlas of each.
     * `denoise`: cells of light, and transfer, are denoised; not in the layered layout, whose fit has no such
       noise, nor where samples are added to an atlas. The command line and the panel have it on.
-    * `alone`: no other object is seen or casts shadows, but for a `source`; lamps and the world are as they
-      are.
     * `sheet`: cells of the plain layout are rendered in sheets of about `sheet`² pixels, each with its seed.
     """
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from ..core.errors import InputError
 from .arguments import Request, read_request
-from .bake_arguments import add_files, add_how, add_quality, add_what
+from .bake_arguments import COURSE, add_files, add_how, add_quality, add_what
 from .options import PREPARE, Parser, add_help, add_parent, command_parser
 
 _DESCRIPTION = """\
@@ -23,17 +23,6 @@ examples:
   python bake.py assemble baked/Vase.radiance.radtex-farm
 
 exit codes: as of a bake"""
-_ELSEWHERE = {
-    "accumulate": False,
-    "refresh": False,
-    "resume": False,
-    "where": None,
-    "exports": None,
-    "only_changed": False,
-    "surroundings": True,
-    "passes": None,
-    "serve": None,
-}
 
 
 def parse_prepare(arguments: list[str], inside_blender: bool) -> Request:
@@ -58,5 +47,6 @@ def build_parser(inside_blender: bool) -> Parser:
     add_files(parser.add_argument_group("output"))
     add_parent(parser.add_argument_group("for a program that runs this one"))
     add_help(parser.add_argument_group("help"))
-    parser.set_defaults(thumbnail=None, **_ELSEWHERE)
+    for section in COURSE:
+        parser.set_defaults(**{row.name: row.flag_default for row in section.options})
     return parser

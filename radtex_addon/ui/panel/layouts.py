@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import bpy
 
-from ..settings.menu_items import LAYOUTS
+from ...bake.menu_items import LAYOUTS
 from .labels import iface_, remark
 
 if TYPE_CHECKING:
@@ -39,8 +39,7 @@ def chosen_layouts(
     from ...job.about_texels import with_about_texels
     from ..settings.preferences import preferred
     from ..settings.request import has_folder, output_folder
-    from ..settings.surfaces import shared_name
-    from ..settings.values import open_layout_of
+    from ..settings.values import open_layout_of, shared_name
 
     folder = output_folder(values["directory"], preferred().output) if has_folder(values) else None
     wish = open_layout_of(values)

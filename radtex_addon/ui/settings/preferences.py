@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, cast
 import bpy
 from bpy.props import EnumProperty, IntProperty, StringProperty
 
+from ...bake.menu_items import DEVICES, TARGETS
 from ..panel.labels import iface_
-from .menu_items import DEVICES, TARGETS
 from .presets import STOCK
 
 # "bl_ext.user_default.radtex" when installed as an extension.

@@ -11,16 +11,15 @@ from typing import Any
 import bpy
 
 from ...bake.frame_numbers import parse_frames
+from ...bake.options import DEFAULT_FOLDER
 from ...core.errors import InputError
 from ...core.sampler import Filter
 from ...job.bake_folders import blend_folder_name, former_folder, open_blend
 from ...job.bake_request import BakeRequest
 from ...scene.lights.lamps import EACH
 from ...textures.export_spec import Target
-from .output_settings import DEFAULT_FOLDER
 from .preferences import preferred
-from .surfaces import shared_name
-from .values import open_layout_of, spec_of, values_of, values_with
+from .values import open_layout_of, shared_name, spec_of, values_of, values_with
 
 __all__ = [
     "former_places",

@@ -5,16 +5,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import fields
 from typing import TYPE_CHECKING, Any, cast
 
+from ...bake.forms import FormTraits
 from ...bake.kinds import KindTraits, Layout, form_in
 from ...bake.memory_limits import check_memory
-from ...bake.spec import BakeSpec, Layer, View, parse_kind, parse_layout
+from ...bake.options import OPTIONS, BakeOptions
+from ...bake.spec import BakeSpec, Layer, parse_kind, parse_layout
 from ...core.errors import InputError
 from ...scene.proxy_content import EVERYTHING
-from .bake_settings import NAMES, BakeSettings
+from .bake_settings import NAMES, BakeSettings, suited_bucket
 from .preferences import preferred
-from .suited_cells import suited_bucket
 
 if TYPE_CHECKING:
     from ...job import OpenLayout
@@ -76,40 +78,41 @@ def spec_of(values: Mapping[str, Any]) -> BakeSpec:
     asked = form_in(layout)
     more = bool(values["accumulate"]) and asked.accumulates and kind.accumulates
     again = bool(values["refresh"]) and asked.refreshes and kind.accumulates
-    layered = asked.layers and kind.layers
     sourced = kind.source and values["source"]
-    spec = BakeSpec(
-        kind=values["kind"],
-        layout=layout,
-        texels=values["texels"],
-        density=values["density"] if values["atlas_size"] == "density" else None,
-        bucket=cast(int, cells),  # None lets BakeSpec use its default
-        samples=values["samples"],
-        seed=values["seed"],
-        denoise=values["denoise"],
-        uv_layer=values["uv_layer"] or None,
-        unwrap=values["unwrap"],
-        padding=values["padding"],
-        device=wishes.device,
-        memory_mb=wishes.memory_mb,
-        half=not kind.full_floats or not values["full_floats"],
-        compression=values["compression"],
-        layers=tuple(layer for layer in Layer if layer.value in values["layers"]) if layered else (),
-        split=None if values["split"] == "none" else values["split"],
-        part=values["part"] or None if values["split"] != "none" else None,
-        accumulate=more,
-        refresh=again,
-        view=View(values["view"] if kind.views else "normal"),
-        where=values["where"] or None if (more or again) and asked.accumulates_parts else None,
-        ao_distance=values["ao_distance"] or None if kind.ao_distance else None,
-        content=_content_of(values) if kind.content else None,
-        alone=values["alone"] and not kind.content,
-        source=values["source"] if sourced else None,
-        extrusion=values["extrusion"] or None if sourced and not values["cage"] else None,
-        cage=values["cage"] or None if sourced else None,
-    )
+    special: dict[str, Any] = {
+        "layout": layout,
+        "density": values["density"] if values["atlas_size"] == "density" else None,
+        "bucket": cast(int, cells),  # None lets BakeSpec use its default
+        "device": wishes.device,
+        "memory_mb": wishes.memory_mb,
+        "half": not kind.full_floats or not values["full_floats"],
+        "layers": _layers_of(values) if asked.layers and kind.layers else (),
+        "split": None if values["split"] == "none" else values["split"],
+        "part": values["part"] or None if values["split"] != "none" else None,
+        "accumulate": more,
+        "refresh": again,
+        "where": values["where"] or None if (more or again) and asked.accumulates_parts else None,
+        "content": _content_of(values) if kind.content else None,
+        "extrusion": values["extrusion"] or None if sourced and not values["cage"] else None,
+        "cage": values["cage"] or None if sourced else None,
+    }
+    spec = BakeSpec(**(_plain(values, kind, asked) | special))
     check_memory(spec)
     return spec
+
+
+def _plain(values: Mapping[str, Any], kind: KindTraits, form: FormTraits) -> dict[str, Any]:
+    """The fields that have the values of their settings; defaults where the kind or the form has no such."""
+    options = {field.name: OPTIONS[field.name] for field in fields(BakeOptions) if field.name in OPTIONS}
+    return {
+        name: (values[name] or None) if option.default is None else values[name]
+        for name, option in options.items()
+        if name in values and option.applies(kind, form)
+    }
+
+
+def _layers_of(values: Mapping[str, Any]) -> tuple[Layer, ...]:
+    return tuple(layer for layer in Layer if layer.value in values["layers"])
 
 
 def _kind_in(values: Mapping[str, Any]) -> KindTraits:
@@ -125,3 +128,10 @@ def _content_of(values: Mapping[str, Any]) -> str | None:
         raise InputError("which collection does the hull show? choose it below Content")
     name: str = values["content_collection"]
     return name
+
+
+def shared_name(values: Mapping[str, Any], spec: BakeSpec) -> str | None:
+    """Name of the atlas that all objects share; None if each object has its own."""
+    fits = spec.kind.traits.shared_atlas
+    name: str = values["atlas_name"]
+    return name if values["together"] and fits else None
