@@ -16,8 +16,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 _MEMBER = '    TRANSFER = "transfer"\n'
 _END_OF_KINDS = "}\n\n\nDEFAULT_KIND"
-_LAST_FIELD = "    alone: bool = False\n"
-_ALONE = '    _row("alone",'
+_END_OF_FIELDS = "\n\n_DEFAULTS"
+_END_OF_LIGHT = "))\n\nLAYOUT"
 _END_OF_FORMS = "SPHERE, LAYERED)"
 
 KIND_MEMBER = '    IRRADIANCE = "irradiance"\n'
@@ -46,7 +46,7 @@ OPTION_ROW = """    _row("only_front", flag="--only-front", title="Only Front", 
 def add_option(folder: Path) -> Path:
     """Copy the package into `folder`, with an option `only_front`."""
     package = _copied(folder)
-    changes = {_LAST_FIELD: _LAST_FIELD + OPTION_FIELD, _ALONE: OPTION_ROW + _ALONE}
+    changes = {_END_OF_FIELDS: OPTION_FIELD + _END_OF_FIELDS, _END_OF_LIGHT: OPTION_ROW + _END_OF_LIGHT}
     _insert(package / "bake" / "options.py", changes)
     return package
 
