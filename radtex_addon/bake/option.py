@@ -48,7 +48,7 @@ class Option:
       name in .blend files and scripts, if another; `items` of a menu; `value`: the default there, if another;
       `blender`: more arguments of Blender's property; `hooks`: the names of its callbacks that are in
       ui/settings/bake_settings.py; `preset`: whether presets store it.
-    * `limits`: the least and the most of a whole number; `word`: its name in messages about them.
+    * `limits`: the least and the most of a whole number; `word`: its name in messages about its value.
     * `called`: its name in remedies; `label`: the panel's, if not `title`.
     * `applies`: whether a bake of that kind and form can have it, else the panel leaves it out. `refusal`:
       why not, in a message where {kind} and {value} are filled in; `instead`: what to bake then. `no_farm`:
@@ -88,6 +88,11 @@ class Option:
     of_atlas: bool = True
     added: bool = False
     mark: Mark | None = None
+
+    @property
+    def choices(self) -> type[StrEnum] | None:
+        """The enum that it takes, if it does."""
+        return self.takes if self.takes is not None and issubclass(self.takes, StrEnum) else None
 
     @property
     def setting(self) -> str:

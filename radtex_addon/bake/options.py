@@ -207,8 +207,8 @@ OBJECTS = Section(Fold.SURFACE, (
          help="bake all objects into one atlas, which is called NAME: DIR/NAME.KIND.exr",
          otherwise="each has its own",
          tooltip="Name of the shared texture, and of its files"),
-    _row("split", flag="--split", takes=Split, title="Split By", items=SPLITS, value="none",
-         called=Setting.SPLIT,
+    _row("split", flag="--split", takes=Split, word="way to split", title="Split By", items=SPLITS,
+         value="none", called=Setting.SPLIT,
          help="material: an atlas for each material, DIR/NAME.MATERIAL.KIND.exr; udim: one for each tile "
          "of the UV layer --uv, DIR/NAME.1001.KIND.exr and so on", otherwise="one for the whole surface",
          tooltip="One texture for the whole object, or one for each material or UDIM tile"),
@@ -257,8 +257,8 @@ VARIANTS_OF_LIGHT = Section(Fold.LIGHT, (
          help="bake with these lamps, or collections of lamps, alone lit, such as Key,Fill, into "
          "DIR/NAME-Key+Fill.KIND.exr; the name world is the light of no lamp. each: an atlas for every "
          "lamp and one for world, which add up to the whole; all: the whole; may be given several times"),
-    _row("layers", flag="--layer", takes=Layer, metavar="LAYER", many=True, given=None, title="Layers",
-         items=LAYERS, value=set(), called=Setting.LAYER,
+    _row("layers", flag="--layer", takes=Layer, word="layer", metavar="LAYER", many=True, given=None,
+         title="Layers", items=LAYERS, value=set(), called=Setting.LAYER,
          help="also write this part of the radiance as an atlas, DIR/NAME.KIND.LAYER.exr: "
          f"{', '.join(Layer)}; base and rest add up to the whole; may be given several times",
          tooltip="Also save parts of the light, such as reflections, as textures of their own, to mix or "

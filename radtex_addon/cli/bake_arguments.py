@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable, Iterable
-from enum import StrEnum
 from functools import partial
 from typing import Any
 
@@ -81,15 +80,15 @@ def _add_option(group: argparse._ArgumentGroup, row: Option) -> None:
     known = row.flag_default
     told = f"{row.help} (default: {row.otherwise})" if row.otherwise else row.help
     action = "append" if row.many else "store"
-    choices = Target if row.name == "exports" else row.takes
+    choices = Target if row.name == "exports" else row.choices  # which the table is too far left to know
     if isinstance(known, bool):
         action = "store_false" if known else "store_true"
         group.add_argument(row.flag, dest=row.name, action=action, help=told)
-    elif choices is int or isinstance(known, int):
+    elif row.takes is int or isinstance(known, int):
         if not row.otherwise and known is not None:
             told += f" (default: {known})"
         add_number(group, row.flag, row.name, row.metavar or "N", told, known)
-    elif choices is not None and issubclass(choices, StrEnum):
+    elif choices is not None:
         add_choice(group, row.flag, choices, known, told, row.name, action, row.metavar)
     else:
         read = _READ.get(row.name, str)
