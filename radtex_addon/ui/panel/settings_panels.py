@@ -16,6 +16,17 @@ from ..settings.bake_settings import BakeSettings
 from .draw_messages import draw_text
 from .main_panel import Sidebar, drawn
 
+# Settings that are drawn below in a way, or under a condition, of their own.
+_BY_HAND = frozenset(
+    (
+        *("variants", "frames", "layers"),
+        *("atlas_size", "uv_layer", "unwrap", "padding", "together", "atlas_name", "split", "part"),
+        *("source", "cage", "extrusion"),
+        *("directory", "accumulate", "refresh", "where"),
+        *("preview", "full_floats", "compression", "export_targets"),
+    )
+)
+
 
 class _Folded(Sidebar):
     """Mixin of the folded panels below the button."""
@@ -31,7 +42,7 @@ class RADTEX_PT_light(_Folded, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context | None) -> None:
         layout, settings, found = drawn(self, context)
-        _draw_others(layout.column(), settings, Fold.LIGHT, ("variants", "frames", "layers"))
+        _draw_others(layout.column(), settings, Fold.LIGHT)
         if found is not None and found.layout:
             draw_text(layout, found.layout, "INFO")
         column = layout.column()
@@ -60,14 +71,7 @@ class RADTEX_PT_surface(_Folded, bpy.types.Panel):
                 column.prop_search(settings, "cage", context.scene, "objects")
                 if not settings.cage:
                     column.prop(settings, "extrusion")
-        _draw_others(
-            layout,
-            settings,
-            Fold.SURFACE,
-            ("atlas_size", "uv_layer", "unwrap", "padding"),
-            ("together", "atlas_name", "split", "part"),
-            ("source", "cage", "extrusion"),
-        )
+        _draw_others(layout, settings, Fold.SURFACE)
 
 
 class RADTEX_PT_sampling(_Folded, bpy.types.Panel):
@@ -102,13 +106,7 @@ class RADTEX_PT_output(_Folded, bpy.types.Panel):
             column.prop(settings, "full_floats")
         layout.prop(settings, "compression")
         layout.column().prop(settings, "export_targets")
-        _draw_others(
-            layout,
-            settings,
-            Fold.OUTPUT,
-            ("directory", "accumulate", "refresh", "where"),
-            ("preview", "full_floats", "compression", "export_targets"),
-        )
+        _draw_others(layout, settings, Fold.OUTPUT)
         layout.operator("radtex.open_folder", icon="FILE_FOLDER")
 
 
@@ -118,12 +116,12 @@ def form_of(settings: BakeSettings) -> FormTraits:
     return Kind(settings.kind).traits.form or form_in(Layout(chosen))
 
 
-def _draw_others(layout: Any, settings: BakeSettings, fold: Fold, *drawn_already: tuple[str, ...]) -> None:
+def _draw_others(layout: Any, settings: BakeSettings, fold: Fold) -> None:
     """Draw the options of a fold that need no more than their row, if they apply."""
     kind, form = Kind(settings.kind).traits, form_of(settings)
     for option in shown_in(fold):
         name = option.setting
-        if any(name in names for names in drawn_already) or not option.applies(kind, form):
+        if name in _BY_HAND or not option.applies(kind, form):
             continue
         if name != "content_collection":
             layout.prop(settings, name)
