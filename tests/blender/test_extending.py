@@ -77,7 +77,7 @@ from radtex_addon.prepare.facts import facts_of as sidecar_of
 from radtex_addon.ui import registration
 from radtex_addon.ui.panel.labels import remark
 from radtex_addon.ui.panel.remedies import offers
-from radtex_addon.ui.settings.values import spec_of, values_of
+from radtex_addon.ui.settings.request import spec_of, values_of
 
 registration.register()
 settings = bpy.context.scene.radtex
