@@ -28,12 +28,12 @@ class Mark(NamedTuple):
     """What sidecars say of a bake by a key of the option's name, which is there, and true, if it was on.
 
     `on`, `off`: how messages tell the two apart where one is to be added to the other; `unlike`: why a bake
-    that has the mark is not compared with the scene.
+    that has the mark is not compared with the scene, empty if it is.
     """
 
     on: str
     off: str
-    unlike: str
+    unlike: str = ""
 
 
 @dataclass(frozen=True)

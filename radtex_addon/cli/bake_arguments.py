@@ -9,62 +9,67 @@ from collections.abc import Callable, Iterable
 from functools import partial
 from typing import Any
 
-from ..bake import options
 from ..bake.frame_numbers import parse_frames
-from ..bake.option import Option, Section
-from ..bake.options import OPTIONS
+from ..bake.option import Option
+from ..bake.options import (
+    COURSE,
+    EXPORTS,
+    FILES,
+    FOLDER,
+    HOW,
+    LAYOUT,
+    LEAST_MEMORY,
+    LIGHT,
+    OBJECTS,
+    OPTIONS,
+    QUALITY,
+    SOURCE,
+    SURFACE,
+    VARIANTS_OF_LIGHT,
+)
 from ..bake.texel_density import parse_density
 from ..core.errors import InputError
 from ..textures.export_spec import Target
-from .options import DEMO, add_choice, add_device, add_memory, add_number, add_progress
+from .options import (
+    DEMO,
+    Parser,
+    add_choice,
+    add_device,
+    add_help,
+    add_memory,
+    add_number,
+    add_parent,
+    add_progress,
+)
 
 
-def add_what(group: argparse._ArgumentGroup, inside_blender: bool) -> None:
-    """Add options for the light and the objects to bake, and the surface to bake onto."""
+def add_bake_options(parser: Parser, inside_blender: bool, *, course: bool) -> None:
+    """Add the options of a bake, in the groups of `--help`.
+
+    Without the `course`, what applies only while a bake renders, and to its exports, has its default.
+    """
+    what = parser.add_argument_group("what is baked")
     file = "left out: the file that Blender has open is baked" if inside_blender else "a .blend file"
-    group.add_argument(
+    what.add_argument(
         "scene",
         nargs="?",
         metavar="SCENE",
         help=f"{file}; or the word {DEMO}, for a small scene of our own: it saves a preview, "
         "renders a picture of it, and replaces what an earlier demo left",
     )
-    what = (options.OBJECTS, options.LIGHT, options.SOURCE, options.VARIANTS_OF_LIGHT)
-    _add_sections(group, *what, options.LAYOUT, options.SURFACE)
-
-
-def add_quality(group: argparse._ArgumentGroup) -> None:
-    """Add options for texels, cells and samples."""
-    _add_sections(group, options.QUALITY)
-
-
-def add_how(group: argparse._ArgumentGroup) -> None:
-    """Add options for how Cycles renders."""
-    _add_sections(group, options.HOW)
-
-
-def add_files(group: argparse._ArgumentGroup) -> None:
-    """Add options for the output files and their contents."""
-    _add_sections(group, options.FOLDER, options.FILES)
-    add_progress(group)
-
-
-def add_overwrite(group: argparse._ArgumentGroup) -> None:
-    """Add the options for what a bake may replace."""
-    add_options(group, (OPTIONS["overwrite"], OPTIONS["overwrite_any"]))
-
-
-COURSE = (options.COURSE, options.EXPORTS)
-
-
-def add_course(group: argparse._ArgumentGroup) -> None:
-    """Add options for partial and resumed bakes, exports and the thumbnail."""
-    _add_sections(group, *COURSE)
-
-
-def _add_sections(group: argparse._ArgumentGroup, *sections: Section) -> None:
-    for section in sections:
-        add_options(group, section.options)
+    for section in (OBJECTS, LIGHT, SOURCE, VARIANTS_OF_LIGHT, LAYOUT, SURFACE):
+        add_options(what, section.options)
+    add_options(parser.add_argument_group("quality"), QUALITY.options)
+    add_options(parser.add_argument_group("how"), HOW.options)
+    output = parser.add_argument_group("output")
+    add_options(output, FOLDER.options + FILES.options)
+    add_progress(output)
+    if course:
+        add_options(output, COURSE.options + EXPORTS.options)
+    else:
+        parser.set_defaults(**{row.name: row.flag_default for row in COURSE.options + EXPORTS.options})
+    add_parent(parser.add_argument_group("for a program that runs this one"))
+    add_help(parser.add_argument_group("help"))
 
 
 def add_options(group: argparse._ArgumentGroup, rows: Iterable[Option]) -> None:
@@ -113,7 +118,7 @@ def _distance(word: str, flag: str, such_as: str) -> float:
 _MEMORY = OPTIONS["memory_mb"]
 _BY_HAND: dict[str, Callable[[argparse._ArgumentGroup], None]] = {
     "device": add_device,
-    "memory_mb": partial(add_memory, text=_MEMORY.help, known=None, least=options.LEAST_MEMORY),
+    "memory_mb": partial(add_memory, text=_MEMORY.help, known=None, least=LEAST_MEMORY),
 }
 _READ: dict[str, Callable[[str], Any]] = {
     "ao_distance": partial(_distance, flag="--ao-distance", such_as="0.5"),

@@ -6,8 +6,8 @@ from __future__ import annotations
 
 from ..core.errors import InputError
 from .arguments import Request, read_request
-from .bake_arguments import COURSE, add_files, add_how, add_quality, add_what
-from .options import PREPARE, Parser, add_help, add_parent, command_parser
+from .bake_arguments import add_bake_options
+from .options import PREPARE, Parser, command_parser
 
 _DESCRIPTION = """\
 Prepare a bake for a render farm: do all of it up to the first ray, and write
@@ -41,12 +41,5 @@ def build_parser(inside_blender: bool) -> Parser:
     parser = command_parser(
         PREPARE, f"{scene}--object NAME", _DESCRIPTION, _EPILOG, inside_blender, opens_scene=True
     )
-    add_what(parser.add_argument_group("what is baked"), inside_blender)
-    add_quality(parser.add_argument_group("quality"))
-    add_how(parser.add_argument_group("how"))
-    add_files(parser.add_argument_group("output"))
-    add_parent(parser.add_argument_group("for a program that runs this one"))
-    add_help(parser.add_argument_group("help"))
-    for section in COURSE:
-        parser.set_defaults(**{row.name: row.flag_default for row in section.options})
+    add_bake_options(parser, inside_blender, course=False)
     return parser

@@ -84,7 +84,8 @@ def _check_seen(variant: Variant, what: str) -> None:
         lit = ", ".join(f"'{name}'" for name in variant.lights)
         raise InputError(f"{what} has the light of {lit} alone: compare a bake of the whole scene's light")
     for name in variant.marks:
-        raise InputError(f"{what} {MARKED[name].unlike}")
+        if MARKED[name].unlike:
+            raise InputError(f"{what} {MARKED[name].unlike}")
 
 
 def _variant(item: bpy.types.Object, sidecar: AnySidecar | None) -> Variant:
