@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import inspect
 
+from radtex_addon.bake.options import CALLED
 from radtex_addon.cli.wording import option
 from radtex_addon.core import errors
 from radtex_addon.core.messages import Setting
@@ -36,6 +37,6 @@ def setting_names(_: str) -> str:
     """What a setting is called in messages as data, on the command line, and in the panel."""
     rows = [
         (code(setting), code(option(setting)), escaped(LABELS.get(setting, "")))
-        for setting in sorted(Setting, key=option)
+        for setting in sorted({*Setting, *CALLED}, key=option)
     ]
     return table(("in `settings` of an event", "option", "in the panel"), rows)

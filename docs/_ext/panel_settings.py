@@ -8,9 +8,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from sphinx.errors import ExtensionError
-
-from radtex_addon.ui.panel import main_panel, settings_panels
+from radtex_addon.bake.option import Fold
+from radtex_addon.bake.options import shown_in
 from radtex_addon.ui.settings import presets as stock
 from radtex_addon.ui.settings.bake_settings import NAMES, RADTEX_PG_settings
 from radtex_addon.ui.settings.chosen_objects import RADTEX_PG_chosen
@@ -20,46 +19,15 @@ from radtex_addon.ui.settings.preferences import RADTEX_preferences
 from .markdown import code, escaped, table
 from .rna import choices, default_of, limits_of, told, type_of
 
-# Where the panel shows each setting.
-_PLACES: dict[Any, tuple[str, ...]] = {
-    main_panel.RADTEX_PT_bake: ("texels", "density", "samples"),
-    settings_panels.RADTEX_PT_light: (
-        *("kind", "view", "content", "content_collection", "ao_distance", "alone", "atlas_layout"),
-        *("variants", "frames", "layers"),
-    ),
-    settings_panels.RADTEX_PT_surface: (
-        *("atlas_size", "uv_layer", "unwrap", "padding", "together", "atlas_name", "split", "part"),
-        *("source", "cage", "extrusion"),
-    ),
-    settings_panels.RADTEX_PT_sampling: ("bucket", "seed", "denoise"),
-    settings_panels.RADTEX_PT_output: (
-        *(
-            "directory",
-            "accumulate",
-            "refresh",
-            "where",
-            "preview",
-            "full_floats",
-            "compression",
-            "export_targets",
-        ),
-    ),
-    None: ("overwrite", "resume"),
-}
-_MAIN, _SCRIPTS = "Always shown", "For scripts alone"
 _BLENDERS = {"name", "rna_type"}  # properties that every group has
 
 
 def settings(_: str) -> str:
     """Every setting of a bake, in the panel's folds."""
-    placed = [name for names in _PLACES.values() for name in names]
-    if sorted(placed) != sorted(NAMES):
-        raise ExtensionError(f"docs/_ext/panel_settings.py: no place for {set(NAMES) ^ set(placed)}")
     known = RADTEX_PG_settings.bl_rna.properties
     parts = []
-    for panel, names in _PLACES.items():
-        title = _SCRIPTS if panel is None else _MAIN if panel is main_panel.RADTEX_PT_bake else panel.bl_label
-        parts += [f"## {title}\n", *(_setting(known[name]) for name in names)]
+    for fold in Fold:
+        parts += [f"## {fold}\n", *(_setting(known[option.setting]) for option in shown_in(fold))]
     return "\n".join(parts)
 
 

@@ -8,10 +8,8 @@ from enum import StrEnum
 from typing import TypeVar
 
 from ..core.errors import InputError
-from ..formats.containers.exr import Compression
 from .kinds import Kind, Layout
 from .layers import Layer
-from .parts import Split
 
 
 class CaptureMethod(StrEnum):
@@ -46,45 +44,26 @@ _Choice = TypeVar("_Choice", bound=StrEnum)
 
 def parse_kind(text: str) -> Kind:
     """The kind named by `text`. Raises InputError, with the choices."""
-    return _parse(Kind, "kind", text)
+    return parse(Kind, "kind", text)
 
 
 def parse_capture(text: str) -> CaptureMethod:
     """The capture named by `text`. Raises InputError, with the choices."""
-    return _parse(CaptureMethod, "capture", text)
-
-
-def parse_view(text: str) -> View:
-    """The view named by `text`. Raises InputError, with the choices."""
-    return _parse(View, "view", text)
-
-
-def parse_compression(text: str) -> Compression:
-    """The compression named by `text`. Raises InputError, with the choices."""
-    return _parse(Compression, "compression", text)
+    return parse(CaptureMethod, "capture", text)
 
 
 def parse_layout(text: str) -> Layout:
     """The layout named by `text`. Raises InputError, with the choices."""
-    return _parse(Layout, "layout", text)
+    return parse(Layout, "layout", text)
 
 
 def parse_layer(text: str) -> Layer:
     """The layer named by `text`. Raises InputError, with the choices."""
-    return _parse(Layer, "layer", text)
+    return parse(Layer, "layer", text)
 
 
-def parse_split(text: str) -> Split:
-    """The way to split named by `text`. Raises InputError, with the choices."""
-    return _parse(Split, "way to split", text)
-
-
-def parse_unwrap(text: str) -> Unwrap:
-    """The unwrap named by `text`. Raises InputError, with the choices."""
-    return _parse(Unwrap, "unwrap", text)
-
-
-def _parse(choices: type[_Choice], word: str, text: str) -> _Choice:
+def parse(choices: type[_Choice], word: str, text: str) -> _Choice:
+    """The choice named by `text`; `word` is what it chooses. Raises InputError, with the choices."""
     try:
         return choices(text)
     except ValueError:

@@ -7,22 +7,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import cast
 
-from ..formats.containers.exr import Compression
-from .choices import (
-    CaptureMethod,
-    Unwrap,
-    View,
-    parse_capture,
-    parse_compression,
-    parse_kind,
-    parse_layer,
-    parse_layout,
-    parse_split,
-    parse_unwrap,
-    parse_view,
-)
+from ..formats.containers.compression import Compression
+from .choices import CaptureMethod, Unwrap, View, parse, parse_capture, parse_kind, parse_layer, parse_layout
 from .kinds import Kind, Layout
 from .layers import Layer
+from .options import OPTIONS
 from .parts import Split
 from .spec_checks import check
 from .spec_fields import SpecFields
@@ -38,13 +27,9 @@ __all__ = [
     "Unwrap",
     "View",
     "parse_capture",
-    "parse_compression",
     "parse_kind",
     "parse_layer",
     "parse_layout",
-    "parse_split",
-    "parse_unwrap",
-    "parse_view",
 ]
 
 
@@ -52,7 +37,8 @@ __all__ = [
 class BakeSpec(SpecFields):
     """One bake: `texels` on the atlas's longer side, `bucket` cells on a bucket's side, `samples` per cell.
 
-    Enums may be given as text. Raises InputError for what cannot be baked.
+    Enums may be given as text. Raises InputError for what cannot be baked. Fields for which their row in
+    `bake.options` says enough are not told of here.
 
     * `density`: texels per metre of surface, from which the atlas's size follows; `texels` is then what is
       known of it, an estimate until the unwrap (`job.about_texels`). None: the atlas has `texels`.
@@ -82,23 +68,19 @@ class BakeSpec(SpecFields):
       atlas is of one `part`, a material's name or a UDIM tile's number; None for an atlas of each.
     * `denoise`: cells of light, and transfer, are denoised; not in the layered layout, whose fit has no such
       noise, nor where samples are added to an atlas. The command line and the panel have it on.
-    * `alone`: no other object is seen or casts shadows, but for a `source`; lamps and the world are as they
-      are.
     * `sheet`: cells of the plain layout are rendered in sheets of about `sheet`² pixels, each with its seed.
     """
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "layout", parse_layout(self.layout))
-        object.__setattr__(self, "kind", parse_kind(self.kind))
+        for name, option in OPTIONS.items():
+            value = getattr(self, name, None)
+            if option.choices is None or value is None:
+                continue
+            words = value if option.many else (value,)
+            found = tuple(dict.fromkeys(parse(option.choices, option.word or name, each) for each in words))
+            object.__setattr__(self, name, found if option.many else found[0])
         if cast(int | None, self.bucket) is None:
             object.__setattr__(self, "bucket", self.form.cells)
-        object.__setattr__(self, "capture", parse_capture(self.capture))
-        object.__setattr__(self, "compression", parse_compression(self.compression))
-        object.__setattr__(self, "unwrap", parse_unwrap(self.unwrap))
-        object.__setattr__(self, "view", parse_view(self.view))
-        if self.split is not None:
-            object.__setattr__(self, "split", parse_split(self.split))
-        object.__setattr__(self, "layers", tuple(dict.fromkeys(map(parse_layer, self.layers))))
         for name in ("lights", "objects"):
             object.__setattr__(self, name, tuple(dict.fromkeys(getattr(self, name))))
         check(self)

@@ -6,39 +6,20 @@ from __future__ import annotations
 
 from ..core.errors import InputError
 from ..core.messages import Setting, do, leave_out
-from ..formats.containers.exr import Compression
-from .choices import CaptureMethod, View
+from ..formats.containers.compression import Compression
+from .choices import CaptureMethod
 from .forms import FormTraits
 from .kinds import KINDS, Light, form_in
+from .options import OPTIONS
 from .parts import Split
 from .plan import MAX_IMAGE_SIDE
 from .spec_fields import SpecFields
 from .texel_density import checked_density, told_density
 
-_NAMES = {
-    "bucket": "cells",
-    "memory_mb": "memory in MiB",
-}  # names of fields in messages, if they differ
 _BUCKETS = do("choose layout buckets", Setting.LAYOUT, value="buckets")
 _PORTAL = do("capture by portal", Setting.CAPTURE, value="portal")
 _NEAREST, _FARTHEST = 1e-18, 1e18  # scene units: the squares of others are no numbers in float32
 _MOST_SAMPLES_BY_PATHS = 2**12  # 117 thousand paths per texel
-
-LEAST_MEMORY, MOST_MEMORY = 16, 2**24  # limits of --memory, in MiB
-
-# Limits of whole numbers; those of samples and seed are Cycles's own.
-_LIMITS = {
-    "texels": (1, MAX_IMAGE_SIDE),
-    "bucket": (2, 256),
-    "samples": (1, 2**24),
-    "seed": (0, 2**31 - 1),
-    "padding": (0, 256),
-    "sheet": (16, MAX_IMAGE_SIDE),
-    "memory_mb": (LEAST_MEMORY, MOST_MEMORY),
-    "frame": (0, 1048574),
-    "unwrap_at": (0, 1048574),
-}
-_OPTIONAL = ("frame", "unwrap_at", "memory_mb")
 
 
 def check(spec: SpecFields) -> None:
@@ -46,9 +27,10 @@ def check(spec: SpecFields) -> None:
 
     No check depends on the machine: see `memory_limits` for checks of memory.
     """
-    for name, (least, most) in _LIMITS.items():
-        if name not in _OPTIONAL or getattr(spec, name) is not None:
-            _check_whole_number(_NAMES.get(name, name), getattr(spec, name), least, most)
+    for name, option in OPTIONS.items():
+        if option.limits is None or (option.default is None and getattr(spec, name) is None):
+            continue
+        _check_whole_number(option.word or name, getattr(spec, name), *option.limits)
     if spec.unwrap_at is not None and (spec.frame is None or spec.uv_layer is not None):
         raise InputError(f"unwrap at frame {spec.unwrap_at} is for frames without a UV layer: leave it out")
     if spec.uv_layer == "":
@@ -81,14 +63,7 @@ def _check_kind(spec: SpecFields) -> None:
         _check_earlier(spec)
     if spec.where is not None:
         _check_where(spec)
-    if spec.content is not None and not kind.content:
-        raise InputError(
-            f"{spec.kind} shows the object itself", do("bake a proxy"), leave_out(Setting.CONTENT)
-        )
-    if spec.alone and kind.content:
-        raise InputError(f"{spec.kind} shows other objects", leave_out(Setting.ALONE))
-    if spec.view is not View.NORMAL and not kind.views:
-        raise InputError(f"{spec.kind} is not baked for a view, such as {spec.view}", leave_out(Setting.VIEW))
+    _check_applies(spec)
     if kind.light is Light.RESPONSE:
         _check_transfer(spec)
     _check_source(spec)
@@ -97,6 +72,17 @@ def _check_kind(spec: SpecFields) -> None:
     _check_distance(spec)
     if kind.light is Light.OCCLUSION:
         _check_occlusion(spec)
+
+
+def _check_applies(spec: SpecFields) -> None:
+    """Check options that have a refusal in their row."""
+    for name, option in OPTIONS.items():
+        value = getattr(spec, name, option.default)
+        if option.refusal and value != option.default and not option.applies(spec.kind.traits, spec.form):
+            instead = (do(option.instead),) if option.instead else ()
+            raise InputError(
+                option.refusal.format(kind=spec.kind, value=value), *instead, leave_out(option.called)
+            )
 
 
 def _check_source(spec: SpecFields) -> None:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A specification as JSON, for farms and background workers."""
+"""A specification as JSON, for farms and background workers, and what of it tells bakes apart."""
 
 from __future__ import annotations
 
@@ -12,8 +12,12 @@ from typing import Any, Union, get_args, get_origin, get_type_hints
 
 from ..core.errors import FormatError, RadTexError
 from ..formats.json_reader import Facts
+from .option import Option
+from .options import OPTIONS
 from .spec import BakeSpec
 
+# Names in keys that differ from the field's, as that is also the name of a digest of the scene.
+_IN_KEYS = {"objects": "objects that share the atlas", "lights": "lamps that are lit"}
 _MOST_FLOAT = 1e300  # of numbers in a specification: larger ones and NaN are refused
 
 
@@ -27,6 +31,33 @@ def as_json(value: Any) -> Any:
     if isinstance(value, StrEnum):
         return str(value)
     return [as_json(each) for each in value] if isinstance(value, tuple) else value
+
+
+def key_facts(spec: BakeSpec) -> dict[str, str]:
+    """What a bake must share with the unfinished one that it resumes, by its name in messages."""
+    return {
+        _IN_KEYS.get(name, name.replace("_", " ")): str(value)
+        for name, value, option in _known(spec)
+        if not option.resumes
+    }
+
+
+def fingerprint_texts(spec: BakeSpec) -> list[str]:
+    """What the pixels of an atlas depend on, as text; numbers to six digits: the panel's are rounded."""
+    return [
+        f"{name} {f'{value:.6g}' if isinstance(value, float) else value}"
+        for name, value, option in _known(spec)
+        if option.of_atlas and not (option.added and value == option.default)
+    ]
+
+
+def _known(spec: BakeSpec) -> list[tuple[str, Any, Option]]:
+    """Each field with its value and its row, but for the texels of a density, which are an estimate."""
+    return [
+        (field.name, getattr(spec, field.name), OPTIONS.get(field.name) or Option(field.name))
+        for field in fields(spec)
+        if spec.density is None or field.name != "texels"
+    ]
 
 
 def spec_in(facts: Facts) -> BakeSpec:

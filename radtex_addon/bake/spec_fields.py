@@ -1,21 +1,17 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The settings of one bake, and what follows from them: sizes, paths and memory."""
+"""What follows from the options of a bake: sizes, paths and memory."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import ceil, sqrt
-from typing import cast
 
-from ..formats.containers.exr import Compression
-from .choices import CaptureMethod, Unwrap, View
 from .denoising import denoising_bytes
 from .forms import FormTraits
-from .kinds import DEFAULT_KIND, Kind, Layout, Light, form_of
-from .layers import OF_LAYER, WHOLE, Layer, captured
-from .parts import Split
-from .plan import MAX_IMAGE_SIDE, SHEET
+from .kinds import Light, form_of
+from .layers import OF_LAYER, WHOLE, captured
+from .options import MARKED, BakeOptions
+from .plan import MAX_IMAGE_SIDE
 from .rays import CLEAR_SAMPLES, LayeredRays, coarser, finer
 from .texel_density import MOST_TEXELS, STEP
 from .transfer_views import views_along
@@ -31,49 +27,18 @@ _BYTES_PER_EARLIER_TEXEL, _BYTES_PER_EARLIER_BUCKET = 40, 4_000  # of a bake to 
 _BYTES_PER_LAYERED_RAY = 20  # single paths in float16, and what the fit says of them; 60 % of texels covered
 
 
-@dataclass(frozen=True)
-class SpecFields:
-    """The fields of `BakeSpec`, which checks them."""
-
-    kind: Kind = DEFAULT_KIND
-    texels: int = 128
-    density: float | None = None
-    bucket: int = cast(int, None)  # None only until __post_init__ sets the default
-    samples: int = 16
-    uv_layer: str | None = None
-    capture: CaptureMethod = CaptureMethod.PORTAL
-    seed: int = 0
-    device: str = "auto"
-    half: bool = True
-    compression: Compression = Compression.ZIP
-    unwrap: Unwrap = Unwrap.AUTO
-    padding: int = 2
-    memory_mb: int | None = None
-    layout: Layout = Layout.BUCKETS
-    layers: tuple[Layer, ...] = ()
-    content: str | None = None
-    accumulate: bool = False
-    refresh: bool = False
-    source: str | None = None
-    extrusion: float | None = None
-    view: View = View.NORMAL
-    frame: int | None = None
-    unwrap_at: int | None = None
-    cage: str | None = None
-    lights: tuple[str, ...] = ()
-    objects: tuple[str, ...] = ()
-    split: Split | None = None
-    part: str | None = None
-    ao_distance: float | None = None
-    where: str | None = None
-    sheet: int = SHEET
-    denoise: bool = False
-    alone: bool = False
+class SpecFields(BakeOptions):
+    """The options of a bake with what follows from them; `BakeSpec` checks them."""
 
     @property
     def form(self) -> FormTraits:
         """How the atlas is stored."""
         return form_of(self.kind, self.layout)
+
+    @property
+    def marks(self) -> tuple[str, ...]:
+        """The options that its sidecar names because they are on."""
+        return tuple(name for name in MARKED if getattr(self, name))
 
     @property
     def channels(self) -> int:

@@ -18,7 +18,7 @@ from ..job.bake_folders import own_folder
 from ..job.bake_request import BakeRequest
 from ..scene.demo import OBJECT
 from ..textures.export_spec import Target
-from .bake_arguments import add_course, add_files, add_how, add_quality, add_what
+from .bake_arguments import add_bake_options
 from .default_folders import blend_of, former_folders
 from .light_options import lit, parse_lights
 from .options import (
@@ -30,8 +30,6 @@ from .options import (
     REPORT,
     Parser,
     ProgressStyle,
-    add_help,
-    add_parent,
     check_named,
 )
 
@@ -222,12 +220,5 @@ def build_parser(inside_blender: bool) -> Parser:
         allow_abbrev=False,
         add_help=False,
     )
-    add_what(parser.add_argument_group("what is baked"), inside_blender)
-    add_quality(parser.add_argument_group("quality"))
-    add_how(parser.add_argument_group("how"))
-    output = parser.add_argument_group("output")
-    add_files(output)
-    add_course(output)
-    add_parent(parser.add_argument_group("for a program that runs this one"))
-    add_help(parser.add_argument_group("help"))
+    add_bake_options(parser, inside_blender, course=True)
     return parser

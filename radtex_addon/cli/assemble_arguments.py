@@ -7,8 +7,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+from ..bake.options import OPTIONS
 from ..textures.export_spec import Target
-from .bake_arguments import add_overwrite
+from .bake_arguments import add_options
 from .options import (
     ASSEMBLE,
     Parser,
@@ -72,7 +73,7 @@ def build_parser(inside_blender: bool) -> Parser:
     output.add_argument(
         "--out", metavar="DIR", help="folder for the files, made if need be (default: where the farm's lies)"
     )
-    add_overwrite(output)
+    add_options(output, (OPTIONS["overwrite"], OPTIONS["overwrite_any"]))
     add_choice(
         output,
         "--export",

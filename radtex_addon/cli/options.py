@@ -12,8 +12,7 @@ from math import isfinite, nan
 from pathlib import Path
 from typing import Any, NoReturn
 
-from ..bake.spec import BakeSpec
-from ..bake.spec_checks import MOST_MEMORY
+from ..bake.options import MOST_MEMORY, BakeOptions
 from ..core.command_lines import quoted
 from ..core.errors import BakeError, InputError, QualityError
 from ..core.messages import do
@@ -144,7 +143,7 @@ def add_device(group: argparse._ArgumentGroup) -> None:
     group.add_argument(
         "--device",
         metavar="NAME",
-        default=BakeSpec().device,
+        default=BakeOptions.device,
         help="auto: as Blender's preferences say; cpu; gpu: any; or one of "
         f"{', '.join(kind.lower() for kind in GPU_TYPES)} (default: %(default)s)",
     )

@@ -6,8 +6,8 @@ from __future__ import annotations
 
 from ..core.errors import InputError
 from .arguments import Request, read_request
-from .bake_arguments import add_files, add_how, add_quality, add_what
-from .options import PREPARE, Parser, add_help, add_parent, command_parser
+from .bake_arguments import add_bake_options
+from .options import PREPARE, Parser, command_parser
 
 _DESCRIPTION = """\
 Prepare a bake for a render farm: do all of it up to the first ray, and write
@@ -23,17 +23,6 @@ examples:
   python bake.py assemble baked/Vase.radiance.radtex-farm
 
 exit codes: as of a bake"""
-_ELSEWHERE = {
-    "accumulate": False,
-    "refresh": False,
-    "resume": False,
-    "where": None,
-    "exports": None,
-    "only_changed": False,
-    "surroundings": True,
-    "passes": None,
-    "serve": None,
-}
 
 
 def parse_prepare(arguments: list[str], inside_blender: bool) -> Request:
@@ -52,11 +41,5 @@ def build_parser(inside_blender: bool) -> Parser:
     parser = command_parser(
         PREPARE, f"{scene}--object NAME", _DESCRIPTION, _EPILOG, inside_blender, opens_scene=True
     )
-    add_what(parser.add_argument_group("what is baked"), inside_blender)
-    add_quality(parser.add_argument_group("quality"))
-    add_how(parser.add_argument_group("how"))
-    add_files(parser.add_argument_group("output"))
-    add_parent(parser.add_argument_group("for a program that runs this one"))
-    add_help(parser.add_argument_group("help"))
-    parser.set_defaults(thumbnail=None, **_ELSEWHERE)
+    add_bake_options(parser, inside_blender, course=False)
     return parser

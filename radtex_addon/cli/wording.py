@@ -6,16 +6,19 @@ from __future__ import annotations
 
 from typing import Any
 
+from ..bake.options import CALLED
 from ..core.messages import Message, Remedy, Setting, joined
 
-_UNLIKE = {  # options that are not called as their settings
+_UNLIKE: dict[str, str] = {  # options that are not called as their settings
     Setting.SCRIPTS: "blender -b --enable-autoexec FILE -P bake.py -- ...",
 }
 
 
-def option(setting: Setting) -> str:
+def option(setting: str) -> str:
     """The option for a setting, such as --save-preview."""
-    return _UNLIKE.get(setting, f"--{setting.name.lower().replace('_', '-')}")
+    if setting in CALLED and CALLED[setting].flag:
+        return CALLED[setting].flag
+    return _UNLIKE.get(setting, f"--{Setting(setting).name.lower().replace('_', '-')}")
 
 
 def worded(message: Message) -> str:

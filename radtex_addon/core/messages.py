@@ -3,7 +3,7 @@
 """Messages as data: what is wrong, and what to do about it with which settings.
 
 The command line and the panel call the same setting by different names (`--uv`, "UV Map"). So a message
-refers to settings by `Setting`, and `cli.wording` and `ui.panel.labels` insert their own names.
+refers to settings by their default names, and `cli.wording` and `ui.panel.labels` insert their own.
 """
 
 from __future__ import annotations
@@ -17,17 +17,15 @@ from .printable import printable
 
 
 class Setting(StrEnum):
-    """A setting that the user can change. The value is its default name in messages."""
+    """Settings that code names. The value is the default name in messages; others stand in `bake.options`."""
 
     ACCUMULATE = "accumulating"
-    ALONE = "choice to bake it alone"
     AO_DISTANCE = "distance of ambient occlusion"
     ARRANGEMENT = "arrangement"
     BUCKET = "cells"
     CAGE = "cage"
     CAPTURE = "capture method"
     COMPRESSION = "compression"
-    CONTENT = "content"
     DENSITY = "texel density"
     DEVICE = "device"
     EXTRUSION = "extrusion"
@@ -59,7 +57,6 @@ class Setting(StrEnum):
     UNWRAP = "unwrap"
     UV = "UV layer"
     VERBOSE = "Blender's own messages"
-    VIEW = "view"
 
 
 @dataclass(frozen=True)
@@ -71,9 +68,9 @@ class Remedy:
     """
 
     text: str = ""
-    settings: tuple[Setting, ...] = ()
+    settings: tuple[str, ...] = ()
     value: str = ""
-    without: tuple[Setting, ...] = ()
+    without: tuple[str, ...] = ()
 
     @property
     def leaves_out(self) -> bool:
@@ -86,12 +83,12 @@ class Remedy:
         return f"leave {' and '.join(f'the {setting}' for setting in self.without)} out {self.text}".rstrip()
 
 
-def do(text: str, *settings: Setting, value: str = "", without: tuple[Setting, ...] = ()) -> Remedy:
+def do(text: str, *settings: str, value: str = "", without: tuple[str, ...] = ()) -> Remedy:
     """A remedy: do `text`, by means of these settings."""
     return Remedy(printable(text), settings, value, without)
 
 
-def leave_out(*settings: Setting, to: str = "") -> Remedy:
+def leave_out(*settings: str, to: str = "") -> Remedy:
     """A remedy: leave these settings out; `to` is the purpose, such as "to have one made"."""
     return Remedy(printable(to), without=settings)
 
@@ -123,5 +120,4 @@ def joined(problem: str, remedies: Iterable[str]) -> str:
 
 
 def _remedy(facts: Mapping[str, Any]) -> Remedy:
-    settings, without = (tuple(map(Setting, facts[key])) for key in ("settings", "without"))
-    return Remedy(facts["text"], settings, facts["value"], without)
+    return Remedy(facts["text"], tuple(facts["settings"]), facts["value"], tuple(facts["without"]))

@@ -12,6 +12,7 @@ import numpy as np
 from ..bake import piece_format
 from ..bake.hidden_cells import HiddenCells
 from ..bake.kinds import KINDS
+from ..bake.options import OPTIONS
 from ..bake.plan import CapturePlan
 from ..bake.spec import BakeSpec, CaptureMethod, Layout
 from ..bake.spec_facts import as_json, facts_of, impossible, spec_in
@@ -271,9 +272,8 @@ def check_farmable(spec: BakeSpec) -> None:
         raise InputError(
             "a farm bakes anew", leave_out(Setting.ACCUMULATE, Setting.REFRESH), do("bake without a farm")
         )
-    if spec.alone:
-        raise InputError(
-            "a farm bakes the scene as it is", leave_out(Setting.ALONE), do("bake without a farm")
-        )
+    for name, option in OPTIONS.items():
+        if option.no_farm and getattr(spec, name) != option.default:
+            raise InputError(option.no_farm, leave_out(option.called), do("bake without a farm"))
     if spec.capture is not CaptureMethod.PORTAL:
         raise InputError("a farm's frames are taken by the portal", leave_out(Setting.CAPTURE))

@@ -91,8 +91,8 @@ class Sidecar:
     many `islands`, which cover a share of the atlas, the `coverage`; both are None if unknown. The
     `texel_density` is given if the atlas's size follows from a density. `wasteful` says why the map wastes
     its atlas, to go on after "the map …", and is empty if it does not. The `fingerprint` tells what was
-    baked, None if unknown. `alone`: it was baked without the scene's other objects. `blend` is the name of
-    the .blend that was baked, without its folder, empty if it was never saved.
+    baked, None if unknown. `marks`: keys that are there, and true, such as "alone" (`bake.option.Mark`).
+    `blend` is the name of the .blend that was baked, without its folder, empty if it was never saved.
     """
 
     object_name: str
@@ -123,7 +123,7 @@ class Sidecar:
     texel_density: TexelDensity | None = None
     wasteful: str = ""
     fingerprint: Fingerprint | None = None
-    alone: bool = False
+    marks: tuple[str, ...] = ()
     blend: str = ""
 
     @property
@@ -172,7 +172,7 @@ class Sidecar:
             "part": part and {"by": part.by, "name": part.name, "index": part.index},
             "texel_samples": self.texel_samples or None,
             "denoised": self.denoised or None,
-            "alone": self.alone or None,
+            **dict.fromkeys(self.marks, True),
             "islands": self.islands,
             "coverage": self.coverage,
             "texel_density": density and {"asked": density.asked, "reached": density.reached},
@@ -232,7 +232,7 @@ class Sidecar:
             texel_density=density_in(facts),
             wasteful=facts.text("wasteful") if "wasteful" in facts.values else "",
             fingerprint=fingerprint_in(facts),
-            alone=facts.values.get("alone") is True,
+            marks=tuple(key for key, value in facts.values.items() if value is True and key != "denoised"),
             blend=blend_in(facts),
         )
 

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ..bake.key import is_unfinished, replaced_by
+from ..bake.options import MARKED
 from ..bake.spec import BakeSpec, Layer
 from ..core.errors import FormatError
 from ..export.exporting import check_writer
@@ -68,7 +69,7 @@ def _is_of(facts: Facts, name: str, spec: BakeSpec) -> bool:
         "seed": spec.seed,
         "objects": list(spec.objects) or None,
         "ao_distance": spec.ao_distance,
-        "alone": spec.alone or None,
+        **{name: name in spec.marks or None for name in MARKED},
     }
     if spec.uv_layer is not None:
         asked["uv_map"] = spec.uv_layer

@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import fields
 from pathlib import Path
 
 import bpy
@@ -13,6 +12,7 @@ import bpy
 from ..bake.checkpoint import Checkpoint, remove_left
 from ..bake.key import DIGEST, check_free, is_announced, is_unfinished, replaced_by
 from ..bake.spec import BakeSpec
+from ..bake.spec_facts import key_facts
 from ..core.errors import FormatError, InputError
 from ..core.messages import Setting, do, leave_out
 from ..formats.disk.atomic import check_absent
@@ -24,12 +24,6 @@ from ..version import VERSION
 from .existing_bakes import is_finished, misses_preview, missing_exports, samples_of
 from .output_files import OutputFiles
 from .replaced_bake import Overwrite, check_replaces_no_better, check_same_subject
-
-# Fields that may differ on resume: memory changes only tile heights; the device and the frame in use are
-# compared by other facts.
-_MAY_DIFFER = ("memory_mb", "device", "frame")
-# Other names for fields whose names are also names of the scene's digests.
-_CALLED = {"objects": "objects that share the atlas", "lights": "lamps that are lit"}
 
 
 def open_checkpoint(
@@ -54,15 +48,9 @@ def open_checkpoint(
             _check_meanwhile(name, spec, files, overwrite, earlier)
 
     replaces = [*files.own, *(files.export(target) for target in exports)]
-    may_differ = _MAY_DIFFER if spec.density is None else (*_MAY_DIFFER, "texels")  # it is an estimate
     checkpoint = Checkpoint(files.unfinished, resume, replaces, check, overwrite.blend.name)
-    chosen = {
-        _CALLED.get(field.name, field.name.replace("_", " ")): str(getattr(spec, field.name))
-        for field in fields(spec)
-        if field.name not in may_differ
-    }
     versions = {"RadTex's version": VERSION, "Blender's version": bpy.app.version_string}
-    checkpoint.set_facts({"object": name, **versions, **chosen})
+    checkpoint.set_facts({"object": name, **versions, **key_facts(spec)})
     folds = (spec.accumulate or spec.refresh) and checkpoint.made is None  # else it may be replaced already
     if folds and files.atlas.is_file():
         earlier = digest(files.atlas)

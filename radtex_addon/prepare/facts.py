@@ -52,6 +52,6 @@ def facts_of(
         texel_density=texel_density,
         wasteful=wasteful,
         fingerprint=fingerprint,
-        alone=spec.alone,
+        marks=spec.marks,
         blend=blend,
     )

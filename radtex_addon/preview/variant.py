@@ -9,25 +9,26 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..bake.forms import has_light_layers
+from ..bake.options import MARKED
 from ..formats.json_reader import Facts
 from ..formats.sidecar_file import AnySidecar, read_facts
 
 _KEPT = "radtex_variant"  # custom property of a copy: JSON, as in a sidecar
-_KEYS = ("kind", "layout", "frame", "lights", "layers", "alone")
+_KEYS = ("kind", "layout", "frame", "lights", "layers", *MARKED)
 
 
 @dataclass(frozen=True)
 class Variant:
     """A bake's `kind`, its `frame` if one was specified, and its lamps `lights`, () for all light.
 
-    `layers` are those that can be shown alone. `alone`: it was baked without the scene's other objects.
+    `layers` are those that can be shown alone, `marks` the options that its sidecar marks.
     """
 
     kind: str = "radiance"
     frame: int | None = None
     lights: tuple[str, ...] = ()
     layers: tuple[str, ...] = ()
-    alone: bool = False
+    marks: tuple[str, ...] = ()
 
 
 def read_variant(sidecar: AnySidecar) -> Variant:
@@ -53,5 +54,5 @@ def _variant_in(facts: Facts) -> Variant:
         facts.whole_number("frame", 0) if "frame" in facts.values else None,
         facts.texts("lights") if "lights" in facts.values else (),
         facts.texts("layers") if has_light_layers(facts.text("layout")) else (),
-        facts.values.get("alone") is True,
+        tuple(name for name in MARKED if facts.values.get(name) is True),
     )

@@ -8,10 +8,12 @@ import os
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from ..bake.kinds import DEFAULT_KIND, Kind, is_default_kind
+from ..bake.options import MARKED
 from ..bake.spec import BakeSpec, Compression, parse_capture, parse_kind, parse_layout
 from ..core.arrays import Floats
 from ..core.errors import FormatError, InputError
@@ -63,6 +65,7 @@ class Finished:
     def spec(self, device: str) -> BakeSpec:
         """The specification that repeats the bake, as far as its files record it."""
         bake, source = self.sidecar, self.sidecar.source
+        marked: dict[str, Any] = {name: True for name in MARKED if name in bake.marks}
         return BakeSpec(
             kind=parse_kind(bake.kind),
             layout=parse_layout(self.form.traits.layout),
@@ -81,7 +84,7 @@ class Finished:
             frame=bake.frame,
             lights=bake.lights,
             denoise=bake.denoised,
-            alone=bake.alone,
+            **marked,
         )
 
 

@@ -35,7 +35,7 @@ def reference_of(scratch: bpy.types.Scene, original: bpy.types.Object, bake: Sid
     these give light; of a bake that was made alone, no other object renders. The scratch scene is not
     restored. Raises InputError for a missing source or lamp.
     """
-    if bake.alone:
+    if "alone" in bake.marks:
         source = () if bake.source is None else (bake.source.object_name, bake.source.cage)
         leave_alone(scratch, {original.name, *bake.surfaces, *source})
     if bake.source is None:

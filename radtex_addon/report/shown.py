@@ -10,6 +10,7 @@ from pathlib import Path
 import bpy
 
 from ..bake.kinds import KINDS, Kind
+from ..bake.options import MARKED
 from ..core.errors import InputError, RadTexError
 from ..formats.sidecar import file_name
 from ..formats.sidecar_file import AnySidecar, SidecarFile
@@ -82,10 +83,9 @@ def _check_seen(variant: Variant, what: str) -> None:
     if variant.lights:
         lit = ", ".join(f"'{name}'" for name in variant.lights)
         raise InputError(f"{what} has the light of {lit} alone: compare a bake of the whole scene's light")
-    if variant.alone:
-        raise InputError(
-            f"{what} was baked without the other objects: compare a bake that was made among them"
-        )
+    for name in variant.marks:
+        if MARKED[name].unlike:
+            raise InputError(f"{what} {MARKED[name].unlike}")
 
 
 def _variant(item: bpy.types.Object, sidecar: AnySidecar | None) -> Variant:

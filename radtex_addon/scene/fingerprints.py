@@ -11,13 +11,14 @@ name.
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import Any, cast
 
 import bpy
 import numpy as np
 
 from ..bake.spec import BakeSpec, View
+from ..bake.spec_facts import fingerprint_texts
 from ..core.errors import InputError
 from ..core.near_digest import NearDigest, joined
 from ..formats.fingerprint import Fingerprint
@@ -31,8 +32,6 @@ from .working_space import working_space
 
 _RENDERED = frozenset(("CURVE", "CURVES", "FONT", "LIGHT", "MESH", "META", "POINTCLOUD", "SURFACE", "VOLUME"))
 _RANDOM = "ShaderNodeObjectInfo"  # the node that shows an object's random number
-# Settings that do not change what a bake shows, or are not its atlas's own.
-_NOT_OF_ATLAS = frozenset(("accumulate", "device", "memory_mb", "refresh", "where"))
 
 
 @dataclass(frozen=True)
@@ -91,7 +90,7 @@ class SceneDigests:
             mesh=str(joined(digest_of(each.mesh.exact for each in found), (each.mesh for each in found))),
             transform=digest_of(each.transform for each in found),
             materials=digest_of(each.materials for each in found),
-            settings=digest_of((*_settings(spec), self.rendering)),
+            settings=digest_of((*fingerprint_texts(spec), self.rendering)),
             surroundings=str(self._surroundings(others, spec, layer)),
         )
 
@@ -204,15 +203,3 @@ def _is_lit(lamp: ObjectDigests, lit: Collection[str] | None, lights: Sequence[s
     if lit is None:
         return True
     return WORLD in lights if lamp.is_instance else lamp.of in lit
-
-
-def _settings(spec: BakeSpec) -> list[str]:
-    """The settings that an atlas is made by, as text; numbers to six digits: the panel's are rounded."""
-    left_out = _NOT_OF_ATLAS if spec.density is None else _NOT_OF_ATLAS | {"texels"}  # it is an estimate
-    texts = []
-    for field in fields(spec):
-        value = getattr(spec, field.name)
-        is_new = field.name == "alone" and not value  # earlier RadTexes did not have it
-        if field.name not in left_out and not is_new:
-            texts.append(f"{field.name} {f'{value:.6g}' if isinstance(value, float) else value}")
-    return texts

@@ -35,7 +35,7 @@ from .panel.settings_panels import (
     RADTEX_PT_sampling,
     RADTEX_PT_surface,
 )
-from .settings import defaults, presets, seen_version
+from .settings import preferences, presets, seen_version
 from .settings.bake_settings import RADTEX_PG_settings
 from .settings.chosen_objects import RADTEX_PG_chosen, RADTEX_PG_listed
 from .settings.object_settings import RADTEX_PG_object
@@ -94,7 +94,7 @@ def register() -> None:
     presets.register()
     keys.register()
     menus.register()
-    defaults.register()
+    preferences.register()
     panel_state.register(forecast.compute_forecast)
     seen_version.register()
 
@@ -104,7 +104,7 @@ def unregister() -> None:
     panel_state.unregister()
     estimates.unregister()
     jobs.unregister()
-    defaults.unregister()
+    preferences.unregister()
     menus.unregister()
     keys.unregister()
     presets.unregister()

@@ -15,6 +15,7 @@ import blf
 import pytest
 
 from radtex_addon.bake.bake_title import bake_title, variant_title
+from radtex_addon.bake.options import CALLED
 from radtex_addon.bake.progress import Stage
 from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.cli import wording
@@ -33,8 +34,9 @@ from tests.blender.ui_stage import context, properties_of, registered
 ANEW = do("begin anew", Setting.OVERWRITE, without=(Setting.RESUME,))
 PACKAGE = Path(labels.__file__).parents[2]
 OPTION = re.compile(r"(?<![\w-])--[a-z][a-z-]+")
-# The command line itself, the command line of a worker, and a page whose style sheet has such names.
-WITH_OPTIONS = {"cli", "worker", "ui/jobs/jobs.py", "report/page.py"}
+# The command line itself, the table that it is made from, the command line of a worker, and a page whose
+# style sheet has such names.
+WITH_OPTIONS = {"cli", "bake/options.py", "worker", "ui/jobs/jobs.py", "report/page.py"}
 
 
 def strings(tree: ast.AST) -> Iterator[str]:
@@ -58,9 +60,10 @@ def test_only_the_command_line_names_options() -> None:
 
 
 def test_every_setting_has_an_option() -> None:
-    sources = [path.read_text(encoding="utf-8") for path in sorted((PACKAGE / "cli").glob("*.py"))]
+    paths = [*sorted((PACKAGE / "cli").glob("*.py")), PACKAGE / "bake" / "options.py"]
+    sources = [path.read_text(encoding="utf-8") for path in paths]
     offered = {text.removeprefix("--") for source in sources for text in strings(ast.parse(source))}
-    options = {wording.option(setting) for setting in Setting} - {wording.option(Setting.SCRIPTS)}
+    options = {wording.option(setting) for setting in {*Setting, *CALLED} - {Setting.SCRIPTS}}
     assert {option.removeprefix("--") for option in options} <= offered
 
 

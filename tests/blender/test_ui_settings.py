@@ -13,6 +13,7 @@ from typing import Any
 import bpy
 import pytest
 
+from radtex_addon.bake import menu_items as choices
 from radtex_addon.bake.kinds import KINDS, Light
 from radtex_addon.bake.spec import BakeSpec, Compression, Kind, Layer, Layout, Unwrap
 from radtex_addon.core.errors import InputError
@@ -20,12 +21,9 @@ from radtex_addon.cycles.device import GPU_TYPES
 from radtex_addon.job.layout_choice import OpenLayout
 from radtex_addon.textures.export_spec import Target
 from radtex_addon.ui import registration
-from radtex_addon.ui.settings import menu_items as choices
-from radtex_addon.ui.settings.bake_settings import NAMES
-from radtex_addon.ui.settings.output_settings import places
+from radtex_addon.ui.settings.bake_settings import NAMES, places
 from radtex_addon.ui.settings.presets import STOCK, RADTEX_OT_preset_add, apply_preset
-from radtex_addon.ui.settings.request import request_of, spec_of, values_of, values_with
-from radtex_addon.ui.settings.values import open_layout_of
+from radtex_addon.ui.settings.request import open_layout_of, request_of, spec_of, values_of, values_with
 from tests.blender.ui_stage import context, ops, preferences, properties_of, registered, settings
 
 # Of the panel's own making: keys and menus call them, or nobody sees them.

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from mathutils import Euler, Matrix
 
+from radtex_addon.bake.options import MARKED
 from radtex_addon.bake.progress import Stage
 from radtex_addon.bake.spec import BakeSpec, Kind, Layer, Layout, Split, View
 from radtex_addon.cli.options import ProgressStyle
@@ -59,8 +60,8 @@ CHOSEN: dict[str, Any] = {
     "memory_mb": 777,
     "sheet": 512,
     "denoise": True,
-    "alone": True,
 }
+MARKS: dict[str, dict[str, Any]] = {name: {name: True} for name in MARKED}
 SPECS = {
     "every choice": BakeSpec(**CHOSEN),
     "none": BakeSpec(device="cpu"),
@@ -79,6 +80,7 @@ SPECS = {
     "objects in one atlas": BakeSpec(objects=("--Vase", "Cup"), device="cpu"),
     "a part": BakeSpec(split=Split.UDIM, uv_layer="Layer", part="1002", device="cpu"),
     "some lamps": BakeSpec(lights=("Key, left", "-Fill"), device="cpu"),
+    **{name: BakeSpec(device="cpu", **chosen) for name, chosen in MARKS.items()},
 }
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A copy of the package with one more kind, or one more form: what docs/extending.md tells to write.
+"""A copy of the package with one more kind, form or option: what docs/extending.md tells to write.
 
 python -m tests.examples.extended     prints what the example of each adds to the package
 """
@@ -16,6 +16,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 _MEMBER = '    TRANSFER = "transfer"\n'
 _END_OF_KINDS = "}\n\n\nDEFAULT_KIND"
+_END_OF_FIELDS = "\n\n_DEFAULTS"
+_END_OF_LIGHT = "))\n\nLAYOUT"
 _END_OF_FORMS = "SPHERE, LAYERED)"
 
 KIND_MEMBER = '    IRRADIANCE = "irradiance"\n'
@@ -32,6 +34,21 @@ KIND_ROW = """    Kind.IRRADIANCE: KindTraits(
 FORM_ROW = (
     'FormTraits("mean", "buckets", "means", layers=False, accumulates=False, refreshes=False, farm=False)'
 )
+OPTION_FIELD = "    only_front: bool = False\n"
+OPTION_ROW = """    _row("only_front", flag="--only-front", title="Only Front", called="front alone",
+         help="bake what is seen from in front alone", tooltip="Bake what is seen from in front alone",
+         applies=lambda kind, _: kind.looks_at_surface, refusal="{kind} has no front", added=True,
+         mark=Mark(on="is of the front alone", off="is of all sides",
+                   unlike="is of the front alone: compare a bake of all sides")),
+"""
+
+
+def add_option(folder: Path) -> Path:
+    """Copy the package into `folder`, with an option `only_front`."""
+    package = _copied(folder)
+    changes = {_END_OF_FIELDS: OPTION_FIELD + _END_OF_FIELDS, _END_OF_LIGHT: OPTION_ROW + _END_OF_LIGHT}
+    _insert(package / "bake" / "options.py", changes)
+    return package
 
 
 def add_kind(folder: Path, form: str = "") -> Path:
@@ -84,6 +101,6 @@ def summary(package: Path) -> list[str]:
 
 
 if __name__ == "__main__":
-    for add in (add_kind, add_form):
+    for add in (add_option, add_kind, add_form):
         with tempfile.TemporaryDirectory() as folder:
             print(add.__name__, *summary(add(Path(folder))), sep="\n  ", file=sys.stdout)

@@ -204,7 +204,7 @@ def test_a_written_name_works_on_this_filesystem(tmp_path: Path) -> None:
             {"blend", "mesh", "texel_samples"},
         ),
         ({"objects": ("Vase", "Lamp"), "part": Part("material", "Gold", 1)}, {"objects", "part"}),
-        ({"denoised": True, "alone": True}, {"denoised", "alone"}),
+        ({"denoised": True, "marks": ("alone",)}, {"denoised", "alone"}),
         ({"texel_density": TexelDensity(64.0, 60.5)}, {"texel_density"}),
     ],
 )

@@ -13,7 +13,6 @@ import sys
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, redirect_stdout
 from dataclasses import replace
-from enum import StrEnum
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +27,7 @@ from ..disk.atomic import replacing
 from ..disk.regular import open_regular
 from ..sidecar import Sidecar, read_sidecar
 from ..sidecar_file import AnySidecar, mismatch_error, opened
+from .compression import Compression as Compression  # noqa: PLC0414  # for those who write EXR files
 from .exr_size import check_memory_for, check_size
 
 HALF_MOST = 65504.0  # the largest finite half float
@@ -39,14 +39,6 @@ _ORDER = "RGBXYZWUVA"  # order of a layer's channels
 _FLAT = (OpenEXR.scanlineimage, OpenEXR.tiledimage)  # not deep
 _DWAA_LOSS = 0.05
 _ROWS = 64  # rows converted at once
-
-
-class Compression(StrEnum):
-    """Compression of the atlas: `dwaa` is lossy and small, the others are lossless."""
-
-    ZIP = "zip"
-    PIZ = "piz"
-    DWAA = "dwaa"
 
 
 _COMPRESSIONS = {

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ...bake.options import MARKED
 from ...core.arrays import Floats, Ints
 from ...core.errors import InputError
 from ...core.near_digest import is_same
@@ -68,8 +69,8 @@ def difference(earlier: Sidecar, bake: Sidecar) -> str | None:  # noqa: PLR0911 
         return "shows what another object does, or was looked for at another distance"
     if earlier.lights != bake.lights:
         return "is of other lamps"
-    if earlier.alone != bake.alone:
-        return "was baked alone" if earlier.alone else "was baked among other objects"
+    if other := [name for name in MARKED if (name in earlier.marks) != (name in bake.marks)]:
+        return MARKED[other[0]].on if other[0] in earlier.marks else MARKED[other[0]].off
     if earlier.layers:
         return "has layers, which are not accumulated"
     if earlier.capture != bake.capture:

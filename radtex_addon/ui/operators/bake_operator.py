@@ -218,7 +218,7 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
 
     def _values(self, settings: BakeSettings) -> dict[str, Any]:
         """The values of settings, overridden by the operator's own."""
-        from ..settings.values import values_with
+        from ..settings.request import values_with
 
         given = [name for name in NAMES if self.properties.is_property_set(name)]
         return values_with(settings, self, given)

@@ -58,7 +58,7 @@ def _bakes(scene: bpy.types.Scene, names: tuple[str, ...]) -> list[Bake]:
     from ..panel.layouts import chosen_layouts
     from ..panel.request_checks import sort_out
     from ..settings.object_settings import by_settings
-    from ..settings.values import spec_of, values_of
+    from ..settings.request import spec_of, values_of
 
     if not names:
         raise InputError(nothing_chosen(scene))

@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Any
 import bpy
 
 from ...bake.bake_title import bake_title, variant_title
+from ...bake.menu_items import KINDS
 from ..panel.draw_messages import wrapped
 from ..panel.labels import iface_, remark, size
-from ..settings.menu_items import KINDS
 
 if TYPE_CHECKING:
     from ...core.messages import Message

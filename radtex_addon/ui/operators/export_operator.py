@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import bpy
 from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
 
+from ...bake.menu_items import TARGETS
 from ..panel.labels import iface_, remark
-from ..settings.menu_items import TARGETS
 from ..settings.preferences import preferred, remember_export
 from .bake_lookup import in_object_mode
 from .bake_operator import shown

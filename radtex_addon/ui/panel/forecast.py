@@ -31,7 +31,7 @@ def compute_forecast(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) ->
     from ...preview.swap import is_on
     from ..jobs.jobs import is_being_baked, look_at_files
     from ..settings.object_settings import by_settings, settings_for
-    from ..settings.values import values_of
+    from ..settings.request import values_of
     from .request_checks import sort_out
 
     look_at_files()
@@ -65,7 +65,7 @@ def _of_none(
     """The forecast where none of the chosen objects can be baked: the reasons are errors."""
     from ...job.left_out import reasons
     from ..settings.object_settings import settings_for
-    from ..settings.values import values_of
+    from ..settings.request import values_of
 
     found = _of_group(scene, (), values_of(settings_for(scene, chosen[0])), _PATIENCE)
     errors = dict.fromkeys((*found.errors, *reasons(left_out)))

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 import bpy
 
 from ...bake.bake_title import bake_title
+from ...bake.menu_items import KINDS, TARGETS
 from ..jobs import browser, job_files, jobs, pictures
 from ..jobs.job_files import Fate
 from ..operators.switch import draw_show, draw_switch
-from ..settings.menu_items import KINDS, TARGETS
 from .draw_messages import draw_text
 from .labels import duration, iface_, number, remark, size, stage
 from .main_panel import Sidebar

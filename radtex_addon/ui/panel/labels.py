@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from bpy.app import translations
 
+from ...bake.options import CALLED
 from ...core.messages import Message, Remedy, Setting, joined
 
 if TYPE_CHECKING:
@@ -22,41 +23,18 @@ _translations: Any = translations  # the stubs type its functions as returning N
 iface_: Callable[[str], str] = _translations.pgettext_iface
 
 # The panel's names of settings. Those that are missing here have none: the panel does not offer them.
-LABELS = {
-    Setting.ACCUMULATE: "Accumulate",
-    Setting.ALONE: "Alone",
-    Setting.AO_DISTANCE: "Distance",
+LABELS: dict[str, str] = {
+    called: option.label or option.title for called, option in CALLED.items() if option.title
+} | {
     Setting.ARRANGEMENT: "Arrangement",
-    Setting.BUCKET: "Angular Detail",
-    Setting.CAGE: "Cage",
-    Setting.COMPRESSION: "Compression",
-    Setting.DENSITY: "Density",
     Setting.DEVICE: "Device, in RadTex's preferences",
-    Setting.EXTRUSION: "Extrusion",
-    Setting.FLOAT: "32-bit Floats",
     Setting.FORMAT: "Format",
-    Setting.FRAMES: "Frames",
-    Setting.FROM: "Detailed Object",
-    Setting.LAYER: "Layers",
-    Setting.LAYOUT: "Storage",
     Setting.LEVELS: "Mip Levels",
-    Setting.LIGHTS: "Variations",
     Setting.LIMIT: "Limit",
     Setting.MEMORY: "Memory (MB), in RadTex's preferences",
     Setting.OBJECT: "Object",
-    Setting.OUT: "Folder",
-    Setting.OVERWRITE: "Overwrite",
     Setting.OVERWRITE_ANY: "Overwrite Any",
-    Setting.PART: "Only",
     Setting.PIXELS: "Pixels",
-    Setting.REFRESH: "Refresh",
-    Setting.RESUME: "Resume",
-    Setting.SAVE_PREVIEW: "Preview",
-    Setting.SPLIT: "Split By",
-    Setting.TEXELS: "Resolution",
-    Setting.TOGETHER: "One Atlas",
-    Setting.UNWRAP: "Unwrap",
-    Setting.UV: "UV Map",
 }
 STAGES = {  # labels of the stages of bakes, exports and comparisons
     "evaluate": "Reading the mesh",
@@ -77,14 +55,6 @@ STAGES = {  # labels of the stages of bakes, exports and comparisons
     "export": "Exporting",
     "reference": "Tracing paths",
     "compare": "Comparing",
-}
-_LEFT_OUT = {  # others: "as it was"
-    Setting.UV: "empty",
-    Setting.FROM: "empty",
-    Setting.RESUME: "off",
-    Setting.ACCUMULATE: "off",
-    Setting.ALONE: "off",
-    Setting.REFRESH: "off",
 }
 
 
@@ -142,7 +112,7 @@ def _remedy(remedy: Remedy) -> str:
     """What to do, with its settings in brackets, unless the panel has none or the text names them."""
     without = [LABELS.get(setting, str(setting)) for setting in remedy.without]
     if remedy.leaves_out:
-        how = _LEFT_OUT.get(remedy.without[0], "as it was" if len(without) == 1 else "as they were")
+        how = _left_out(remedy.without[0]) or ("as it was" if len(without) == 1 else "as they were")
         return f"leave {' and '.join(without)} {how} {remedy.text}".rstrip()
     used = [LABELS[setting] for setting in remedy.settings if setting in LABELS]
     said = remedy.text.lower()
@@ -150,3 +120,11 @@ def _remedy(remedy: Remedy) -> str:
     if without:
         words.append(f"without {' and '.join(without)}")
     return f"{remedy.text} ({', '.join(words)})" if words else remedy.text
+
+
+def _left_out(setting: str) -> str:
+    """How the panel shows that a setting is left out, such as "off"; empty for what has no such state."""
+    option = CALLED.get(setting)
+    if option is None or option.items or option.setting_default:
+        return ""
+    return {str: "empty", bool: "off"}.get(type(option.setting_default), "")

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import bpy
 
-from ..settings.menu_items import LAYOUTS
+from ...bake.menu_items import LAYOUTS
 from .labels import iface_, remark
 
 if TYPE_CHECKING:
@@ -38,9 +38,7 @@ def chosen_layouts(
     from ...job import choose_layout
     from ...job.about_texels import with_about_texels
     from ..settings.preferences import preferred
-    from ..settings.request import has_folder, output_folder
-    from ..settings.surfaces import shared_name
-    from ..settings.values import open_layout_of
+    from ..settings.request import has_folder, open_layout_of, output_folder, shared_name
 
     folder = output_folder(values["directory"], preferred().output) if has_folder(values) else None
     wish = open_layout_of(values)
@@ -61,7 +59,7 @@ def chosen_layouts(
 
 def told_layouts(values: Mapping[str, Any], chosen: Chosen) -> str:
     """One line on which layout was chosen automatically; empty if the user chose the layout."""
-    from ..settings.values import open_layout_of
+    from ..settings.request import open_layout_of
 
     if open_layout_of(values) is None:
         return ""

@@ -8,38 +8,18 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
+from ...bake.options import CALLED
 from ...core.messages import Message, Remedy, Setting
 from ..settings.bake_settings import BakeSettings
 from .labels import LABELS, iface_
 
-PROPERTIES = {  # names of bake settings; those of a remedy that are missing here get no button
-    Setting.ACCUMULATE: "accumulate",
-    Setting.ALONE: "alone",
-    Setting.AO_DISTANCE: "ao_distance",
-    Setting.BUCKET: "bucket",
-    Setting.CAGE: "cage",
-    Setting.COMPRESSION: "compression",
-    Setting.DENSITY: "density",
-    Setting.EXTRUSION: "extrusion",
-    Setting.FLOAT: "full_floats",
-    Setting.FRAMES: "frames",
-    Setting.FROM: "source",
-    Setting.LAYER: "layers",
-    Setting.LAYOUT: "atlas_layout",
-    Setting.LIGHTS: "variants",
-    Setting.OUT: "directory",
-    Setting.PART: "part",
-    Setting.REFRESH: "refresh",
-    Setting.SAVE_PREVIEW: "preview",
-    Setting.SPLIT: "split",
-    Setting.TEXELS: "texels",
-    Setting.TOGETHER: "atlas_name",
-    Setting.UNWRAP: "unwrap",
-    Setting.UV: "uv_layer",
-}
-PREFERENCES = {Setting.DEVICE: "device", Setting.MEMORY: "memory_mb"}
 # The panel's large buttons decide these.
-_BUTTONS = frozenset({Setting.OVERWRITE, Setting.OVERWRITE_ANY, Setting.RESUME})
+_BUTTONS: frozenset[str] = frozenset({Setting.OVERWRITE, Setting.OVERWRITE_ANY, Setting.RESUME})
+# Names of bake settings; those of a remedy that are missing here get no button.
+PROPERTIES = {
+    called: option.setting for called, option in CALLED.items() if option.title and called not in _BUTTONS
+}
+PREFERENCES: dict[str, str] = {Setting.DEVICE: "device", Setting.MEMORY: "memory_mb"}
 
 
 @dataclass(frozen=True)
@@ -73,14 +53,14 @@ def _offers_of(remedy: Remedy, settings: BakeSettings) -> Iterator[Offer]:
             yield _set(setting, remedy.value if number == 0 else "", settings)
 
 
-def _left_out(setting: Setting, settings: BakeSettings) -> Offer:
+def _left_out(setting: str, settings: BakeSettings) -> Offer:
     name = PROPERTIES[setting]
     kind = _property(settings, name).type
     text = iface_("Clear {}") if kind == "STRING" else iface_("Reset {}")
     return Offer(name, (iface_("Switch Off {}") if kind == "BOOLEAN" else text).format(LABELS[setting]))
 
 
-def _set(setting: Setting, value: str, settings: BakeSettings) -> Offer:
+def _set(setting: str, value: str, settings: BakeSettings) -> Offer:
     """The button that sets a setting to the remedy's value, or switches it on; else the setting itself."""
     name = PROPERTIES[setting]
     found = _property(settings, name)
@@ -94,4 +74,4 @@ def _set(setting: Setting, value: str, settings: BakeSettings) -> Offer:
 
 
 def _property(settings: BakeSettings, name: str) -> Any:
-    return settings.bl_rna.properties[name]  # type: ignore[attr-defined]  # a PropertyGroup
+    return settings.bl_rna.properties[name]

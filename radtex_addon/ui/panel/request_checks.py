@@ -23,7 +23,7 @@ from ...job.preflight import Preflight
 from ...preview.swap import is_on
 from ..settings.bake_settings import BakeSettings
 from ..settings.object_settings import by_settings
-from ..settings.values import spec_of, values_of
+from ..settings.request import spec_of, values_of
 
 
 @dataclass(frozen=True)

@@ -9,11 +9,23 @@ from typing import Any
 import bpy
 
 from ...bake.forms import FormTraits
-from ...bake.kinds import Kind, Layout, Light, form_in
+from ...bake.kinds import Kind, Layout, form_in
+from ...bake.option import Fold
+from ...bake.options import OPTIONS, shown_in
 from ..settings.bake_settings import BakeSettings
-from ..settings.surfaces import draw_surfaces
 from .draw_messages import draw_text
 from .main_panel import Sidebar, drawn
+
+# Settings that are drawn below in a way, or under a condition, of their own.
+_BY_HAND = frozenset(
+    (
+        *("variants", "frames", "layers"),
+        *("atlas_size", "uv_layer", "unwrap", "padding", "together", "atlas_name", "split", "part"),
+        *("source", "cage", "extrusion"),
+        *("directory", "accumulate", "refresh", "where"),
+        *("preview", "full_floats", "compression", "export_targets"),
+    )
+)
 
 
 class _Folded(Sidebar):
@@ -26,75 +38,56 @@ class _Folded(Sidebar):
 class RADTEX_PT_light(_Folded, bpy.types.Panel):
     """Which light is baked, and how it is stored"""
 
-    bl_label = "Light"
+    bl_label = Fold.LIGHT.value
 
     def draw(self, context: bpy.types.Context | None) -> None:
         layout, settings, found = drawn(self, context)
-        column = layout.column()
-        column.prop(settings, "kind")
-        kind, form = Kind(settings.kind).traits, form_of(settings)
-        if kind.views:
-            column.prop(settings, "view")
-        if kind.content:
-            column.prop(settings, "content")
-            if settings.content == "collection":
-                column.prop_search(settings, "content_collection", bpy.data, "collections")
-        if kind.ao_distance:
-            column.prop(settings, "ao_distance")
-        if not kind.content:
-            column.prop(settings, "alone")
-        if kind.form is None:
-            column.prop(settings, "atlas_layout")
+        _draw_others(layout.column(), settings, Fold.LIGHT)
         if found is not None and found.layout:
             draw_text(layout, found.layout, "INFO")
         column = layout.column()
         column.prop(settings, "variants")
         if settings.variants == "frames":
             column.prop(settings, "frames")
-        if form.layers and kind.layers:
+        if OPTIONS["layers"].applies(Kind(settings.kind).traits, form_of(settings)):
             layout.column().prop(settings, "layers")
 
 
 class RADTEX_PT_surface(_Folded, bpy.types.Panel):
     """How the surface is laid out in the texture, and whose light it shows"""
 
-    bl_label = "Surface"
+    bl_label = Fold.SURFACE.value
 
     def draw(self, context: bpy.types.Context | None) -> None:
         layout, settings, found = drawn(self, context)
         assert context is not None  # Blender always gives one
         layout.row().prop(settings, "atlas_size", expand=True)
         _draw_uv(layout.column(), settings, context.active_object)
-        draw_surfaces(layout.column(), settings, found is not None and len(found.objects) > 1)
-        if not Kind(settings.kind).traits.source:
-            return
-        column = layout.column()
-        column.prop_search(settings, "source", context.scene, "objects")
-        if settings.source:
-            column.prop_search(settings, "cage", context.scene, "objects")
-            if not settings.cage:
-                column.prop(settings, "extrusion")
+        _draw_parts(layout.column(), settings, found is not None and len(found.objects) > 1)
+        if Kind(settings.kind).traits.source:
+            column = layout.column()
+            column.prop_search(settings, "source", context.scene, "objects")
+            if settings.source:
+                column.prop_search(settings, "cage", context.scene, "objects")
+                if not settings.cage:
+                    column.prop(settings, "extrusion")
+        _draw_others(layout, settings, Fold.SURFACE)
 
 
 class RADTEX_PT_sampling(_Folded, bpy.types.Panel):
     """How sharp reflections are, and how clean"""
 
-    bl_label = "Sampling"
+    bl_label = Fold.SAMPLING.value
 
     def draw(self, context: bpy.types.Context | None) -> None:
         layout, settings, _ = drawn(self, context)
-        kind, form = Kind(settings.kind).traits, form_of(settings)
-        if kind.cells and form.any_cells:
-            layout.prop(settings, "bucket")
-        layout.prop(settings, "seed")
-        if kind.light is not Light.OCCLUSION and not form.by_paths:
-            layout.prop(settings, "denoise")
+        _draw_others(layout, settings, Fold.SAMPLING)
 
 
 class RADTEX_PT_output(_Folded, bpy.types.Panel):
     """Where files go, and which"""
 
-    bl_label = "Output"
+    bl_label = Fold.OUTPUT.value
 
     def draw(self, context: bpy.types.Context | None) -> None:
         layout, settings, _ = drawn(self, context)
@@ -113,6 +106,7 @@ class RADTEX_PT_output(_Folded, bpy.types.Panel):
             column.prop(settings, "full_floats")
         layout.prop(settings, "compression")
         layout.column().prop(settings, "export_targets")
+        _draw_others(layout, settings, Fold.OUTPUT)
         layout.operator("radtex.open_folder", icon="FILE_FOLDER")
 
 
@@ -120,6 +114,32 @@ def form_of(settings: BakeSettings) -> FormTraits:
     """The form that the settings ask for; buckets while the layout is automatic."""
     chosen = settings.atlas_layout if settings.atlas_layout in tuple(Layout) else Layout.BUCKETS
     return Kind(settings.kind).traits.form or form_in(Layout(chosen))
+
+
+def _draw_others(layout: Any, settings: BakeSettings, fold: Fold) -> None:
+    """Draw the options of a fold that need no more than their row, if they apply."""
+    kind, form = Kind(settings.kind).traits, form_of(settings)
+    for option in shown_in(fold):
+        name = option.setting
+        if name in _BY_HAND or not option.applies(kind, form):
+            continue
+        if name != "content_collection":
+            layout.prop(settings, name)
+        elif settings.content == "collection":
+            layout.prop_search(settings, name, bpy.data, "collections")
+
+
+def _draw_parts(column: Any, settings: BakeSettings, several: bool) -> None:
+    """Draw how surfaces are assigned to atlases; a shared one needs `several` objects."""
+    if several and Kind(settings.kind).traits.shared_atlas:
+        column.prop(settings, "together")
+        if settings.together:
+            column.prop(settings, "atlas_name")
+    column.prop(settings, "split")
+    if settings.split == "material":
+        column.prop_search(settings, "part", bpy.data, "materials")
+    elif settings.split != "none":
+        column.prop(settings, "part")
 
 
 def _draw_uv(column: Any, settings: BakeSettings, item: bpy.types.Object | None) -> None:

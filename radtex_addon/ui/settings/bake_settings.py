@@ -1,50 +1,45 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A bake's settings: stored with the scene for the panel, and keyword arguments of the bake operator."""
+"""A bake's settings: stored with the scene for the panel, and keyword arguments of the bake operator.
+
+They are made from the table of options. What needs Blender in a row is a hook, named there and defined here.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any, cast
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
-from ...bake.kinds import DEFAULT_KIND, Kind, Layout, form_in
+from ...bake.choices import parse_kind, parse_layout
+from ...bake.kinds import Kind, Layout, form_in
+from ...bake.option import Option
+from ...bake.options import SHOWN
+from ...scene.mesh.named_regions import places_on
 from ..panel.panel_state import mark_stale
-from . import output_settings, surfaces
-from .menu_items import ATLAS_SIZES, CONTENTS, KINDS, LAYOUTS_OR_AUTOMATIC, UNWRAPS, VARIANTS, VIEWS
 from .update_callbacks import NOTICED
 
-# Property names of the mixin below, in the panel's order.
-NAMES = (
-    "kind",
-    "view",
-    "content",
-    "content_collection",
-    "ao_distance",
-    "alone",
-    "atlas_layout",
-    *surfaces.NAMES,
-    "uv_layer",
-    "unwrap",
-    "padding",
-    "source",
-    "extrusion",
-    "cage",
-    "variants",
-    "frames",
-    "atlas_size",
-    "texels",
-    "density",
-    "bucket",
-    "samples",
-    "seed",
-    "denoise",
-    *output_settings.NAMES,
-)
-
+NAMES = tuple(SHOWN)  # of the properties
 
 _OWN_CELLS = "radtex_cells"  # custom property: the user's bucket size for each `_sort_of_cells`
+_KINDS: dict[type, Any] = {
+    bool: BoolProperty,
+    int: IntProperty,
+    float: FloatProperty,
+    str: StringProperty,
+}
+
+
+def suited_bucket(kind: str, layout: str) -> int:
+    """Default bucket size for this kind and layout, in cells along a side."""
+    traits = parse_kind(kind).traits
+    if traits.form is not None:
+        return traits.form.cells
+    if layout in ("auto", ""):  # empty: an earlier version saved a layout that is no longer there
+        return (Layout.LAYERED if traits.looks_at_surface else Layout.BUCKETS).cells
+    return form_in(parse_layout(layout)).cells
 
 
 def _suit_bucket(settings: BakeSettings, _: bpy.types.Context) -> None:
@@ -53,8 +48,6 @@ def _suit_bucket(settings: BakeSettings, _: bpy.types.Context) -> None:
     Only for the panel: an operator's keyword arguments are not adjusted.
     """
     if isinstance(settings, bpy.types.PropertyGroup):
-        from .suited_cells import suited_bucket
-
         own = cast(Any, settings).get(_OWN_CELLS, {}).get(_sort_of_cells(settings))
         settings.bucket = own or suited_bucket(settings.kind, settings.atlas_layout)
         mark_stale()
@@ -72,221 +65,52 @@ def _sort_of_cells(settings: BakeSettings) -> str:
     """Key of the remembered bucket size; for `ao`, which has no buckets, that is its grid of rays."""
     kind = Kind(settings.kind).traits
     if kind.views or kind.ao_distance:
-        return settings.kind
+        return str(settings.kind)
     if kind.form is None and settings.atlas_layout in tuple(Layout):
         return form_in(Layout(settings.atlas_layout)).name
-    return settings.atlas_layout if kind.looks_at_surface else Layout.BUCKETS.value
+    return str(settings.atlas_layout) if kind.looks_at_surface else Layout.BUCKETS.value
 
 
-class BakeSettings(surfaces.SurfaceSettings, output_settings.OutputSettings):
+def places(_: BakeSettings, around: bpy.types.Context, typed: str) -> Iterator[tuple[str, str]]:
+    """Search function: the active object's named regions that match `typed`, each with its type."""
+    item = around.object
+    if item is not None and item.type == "MESH":
+        for name, kind in places_on(item).items():
+            if typed.lower() in name.lower():
+                yield name, kind.capitalize()
+
+
+_HOOKS: dict[str, Callable[..., Any]] = {
+    "suit_bucket": _suit_bucket,
+    "keep_bucket": _keep_bucket,
+    "places": places,
+}
+
+
+def _property(option: Option) -> Any:
+    """Blender's property of an option."""
+    told = dict(option.blender)
+    if option.limits is not None:
+        told["min"], told["max"] = option.limits
+    told |= {"name": option.title, "description": option.tooltip, "default": option.setting_default}
+    told = NOTICED | told | {argument: _HOOKS[hook] for argument, hook in option.hooks.items()}
+    if not option.items:
+        return _KINDS[type(option.setting_default)](**told)
+    if isinstance(option.setting_default, set):
+        told["options"] = told["options"] | {"ENUM_FLAG"}
+    return EnumProperty(items=option.items, **told)
+
+
+class BakeSettings:
     """Mixin with all bake properties, for the scene's settings and the operator; not registered itself."""
 
-    if TYPE_CHECKING:  # types of the properties that Blender creates from the annotations below
-        kind: str
-        view: str
-        content: str
-        content_collection: str
-        ao_distance: float
-        alone: bool
-        atlas_layout: str
-        uv_layer: str
-        unwrap: str
-        padding: int
-        source: str
-        extrusion: float
-        cage: str
-        variants: str
-        frames: str
-        atlas_size: str
-        texels: int
-        density: float
-        bucket: int
-        samples: int
-        seed: int
-        denoise: bool
+    if TYPE_CHECKING:  # Blender creates the properties from the annotations below
+
+        def __getattr__(self, name: str) -> Any: ...
+
+        def __setattr__(self, name: str, value: Any) -> None: ...
     else:
-        kind: EnumProperty(
-            name="Bake Type",
-            description="What is recorded: how the object looks, the light that reaches it, or what blocks "
-            "light",
-            items=KINDS,
-            default=DEFAULT_KIND.value,
-            update=_suit_bucket,
-            options={"SKIP_SAVE"},
-        )
-        view: EnumProperty(
-            name="View",
-            description="From where the object will be looked at: fixes how its gloss comes out when lamps "
-            "move",
-            items=VIEWS,
-            default="normal",
-            **NOTICED,
-        )
-        content: EnumProperty(
-            name="Content",
-            description="What the hull shows in its place; the hull itself is never seen",
-            items=CONTENTS,
-            default="inside",
-            **NOTICED,
-        )
-        content_collection: StringProperty(
-            name="Collection",
-            description="The collection whose objects the hull shows",
-            **NOTICED,
-        )
-        ao_distance: FloatProperty(
-            name="Distance",
-            description="What is farther away than this counts as open. With 0 there is no limit",
-            default=0.0,
-            min=0.0,
-            max=1e18,
-            soft_max=10.0,
-            step=1,
-            precision=3,
-            subtype="DISTANCE",
-            **NOTICED,
-        )
-        alone: BoolProperty(
-            name="Alone",
-            description="Bake each object as if it stood alone: no other object is mirrored in it or shades "
-            "it. For objects that will stand elsewhere; lamps and the world stay",
-            default=False,
-            **NOTICED,
-        )
-        atlas_layout: EnumProperty(
-            name="Storage",
-            description="Decides how sharp reflections are, and how large the files",
-            items=LAYOUTS_OR_AUTOMATIC,
-            default="auto",
-            update=_suit_bucket,
-            options={"SKIP_SAVE"},
-        )
-        uv_layer: StringProperty(
-            name="UV Map",
-            description="The UV map to bake on: inside the unit square and without overlaps, or places on "
-            "the surface would show each other's light. Left empty, Unwrap decides",
-            **NOTICED,
-        )
-        unwrap: EnumProperty(
-            name="Unwrap",
-            description="How UVs are made where no map is chosen. Your mesh stays as it is",
-            items=UNWRAPS,
-            default="auto",
-            **NOTICED,
-        )
-        padding: IntProperty(
-            name="Padding",
-            description="Texels left free between UV islands: too few, and light bleeds across seams",
-            default=2,
-            min=0,
-            max=256,
-            soft_max=16,
-            **NOTICED,
-        )
-        source: StringProperty(
-            name="Detailed Object",
-            description="A high-poly object in the same place, whose light the low-poly one shall show. The "
-            "low-poly one is not seen while it is baked. Left empty, objects show their own light",
-            **NOTICED,
-        )
-        extrusion: FloatProperty(
-            name="Extrusion",
-            description="How far from the simple surface, outwards and inwards, the detailed one is looked "
-            "for. 0 is 3 % of the object's size",
-            default=0.0,
-            min=0.0,
-            max=1e18,
-            soft_max=1.0,
-            step=1,
-            precision=3,
-            subtype="DISTANCE",
-            **NOTICED,
-        )
-        cage: StringProperty(
-            name="Cage",
-            description="A copy of the simple object whose vertices were moved out: the detailed one is "
-            "looked for from there on, instead of along the normals. It may be hidden",
-            **NOTICED,
-        )
-        variants: EnumProperty(
-            name="Variations",
-            description="Several bakes of each object at once",
-            items=VARIANTS,
-            default="none",
-            **NOTICED,
-        )
-        frames: StringProperty(
-            name="Frames",
-            description="The frames to bake, such as 1,5,10-20",
-            default="1",
-            **NOTICED,
-        )
-        atlas_size: EnumProperty(
-            name="Size By",
-            description="What the size of the texture follows from",
-            items=ATLAS_SIZES,
-            default="texels",
-            **NOTICED,
-        )
-        texels: IntProperty(
-            name="Resolution",
-            description="Texels along the texture's longer side: more show finer detail on the surface. "
-            "Twice as many take four times as long",
-            default=128,
-            min=1,
-            max=65536,
-            soft_min=16,
-            soft_max=1024,
-            **NOTICED,
-        )
-        density: FloatProperty(
-            name="Density",
-            description="Texels per metre of surface: objects of every size come out alike, and their "
-            "textures are as large as that needs, up to 4096 texels a side. The scene's Unit Scale "
-            "says what a metre is",
-            default=64.0,
-            min=1e-3,
-            max=1e12,
-            soft_min=1.0,
-            soft_max=4096.0,
-            **NOTICED,
-        )
-        bucket: IntProperty(
-            name="Angular Detail",
-            description="Directions that each texel tells apart, along each side of its bucket: more give "
-            "sharper reflections and highlights, and twice as many take four times as long. Layered chooses "
-            "it itself; a number other than 14 makes Automatic choose Buckets",
-            default=14,  # the default of the automatic layout (`job.layout_choice`)
-            min=2,
-            max=256,
-            soft_max=32,
-            update=_keep_bucket,
-            options={"SKIP_SAVE"},
-        )
-        samples: IntProperty(
-            name="Samples",
-            description="Paths that Cycles traces for each direction of a texel: more leave less noise, and "
-            "take longer. Layered traces about 64 times as many for each texel",
-            default=16,
-            min=1,
-            max=2**24,
-            soft_max=1024,
-            **NOTICED,
-        )
-        seed: IntProperty(
-            name="Seed",
-            description="Another seed gives other noise; the same one gives the same picture again",
-            default=0,
-            min=0,
-            **NOTICED,
-        )
-        denoise: BoolProperty(
-            name="Denoise",
-            description="Remove the grain by OpenImageDenoise. Turn it off for bakes to which samples "
-            "are added later",
-            default=True,
-            **NOTICED,
-        )
+        __annotations__ = {name: _property(option) for name, option in SHOWN.items()}
 
 
 class RADTEX_PG_settings(BakeSettings, bpy.types.PropertyGroup):

@@ -79,5 +79,5 @@ def by_settings(scene: bpy.types.Scene, names: Iterable[str]) -> list[tuple[Bake
     groups: dict[int, tuple[BakeSettings, list[str]]] = {}
     for name in names:
         found = settings_for(scene, name)
-        groups.setdefault(found.as_pointer(), (found, []))[1].append(name)  # type: ignore[attr-defined]  # both are PropertyGroups
+        groups.setdefault(found.as_pointer(), (found, []))[1].append(name)
     return [(found, tuple(group)) for found, group in groups.values()] or [(scene.radtex, ())]  # type: ignore[attr-defined]  # ours

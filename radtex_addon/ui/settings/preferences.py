@@ -1,22 +1,27 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Add-on preferences: device, folders, memory limit, the preset of new files, and where exports go."""
+"""Add-on preferences: device, folders, memory limit, where exports go, and what new files start from."""
 
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
 import bpy
+from bpy.app.handlers import persistent
 from bpy.props import EnumProperty, IntProperty, StringProperty
 
+from ...bake.menu_items import DEVICES, TARGETS
+from ...core.errors import InputError
 from ..panel.labels import iface_
-from .menu_items import DEVICES, TARGETS
-from .presets import STOCK
+from .bake_settings import NAMES
+from .presets import STOCK, apply_preset
 
 # "bl_ext.user_default.radtex" when installed as an extension.
 ADDON = __package__.rpartition(".radtex_addon")[0] or "radtex_addon"
+_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -151,3 +156,27 @@ def addon_preferences() -> RADTEX_preferences | None:
 
 def _folder(text: str) -> Path | None:
     return Path(bpy.path.abspath(text)) if text.strip() else None
+
+
+@persistent  # type: ignore[untyped-decorator]  # untyped in the stubs
+def apply_default(*_: object) -> None:
+    """Handler: apply the default preset to a new file's scene, unless any setting was already changed."""
+    name = preferred().preset
+    settings = bpy.context.scene.radtex  # type: ignore[union-attr]  # ours, not Blender's
+    if bpy.data.filepath or not name or any(settings.is_property_set(one) for one in NAMES):
+        return
+    try:
+        apply_preset(name)
+    except InputError as error:  # the file is loaded anyway, so only warn
+        _log.warning("%s", error)
+
+
+def register() -> None:
+    """Add the load handler."""
+    bpy.app.handlers.load_post.append(apply_default)
+
+
+def unregister() -> None:
+    """Remove the load handler."""
+    if apply_default in bpy.app.handlers.load_post:  # other add-ons may have cleared the list
+        bpy.app.handlers.load_post.remove(apply_default)

@@ -18,6 +18,7 @@ from bl_operators.presets import AddPresetBase
 from bl_ui.utils import PresetPanel
 from bpy.props import StringProperty
 
+from ...bake.options import SHOWN
 from ...core.errors import InputError
 from ..operators.undo import push_step
 from ..panel.labels import remark
@@ -45,18 +46,7 @@ STOCK = (
 )
 
 # Settings stored in a preset: quality, but no object, UV layer or folder.
-PRESET_NAMES = (
-    "kind",
-    "atlas_layout",
-    "atlas_size",
-    "texels",
-    "density",
-    "bucket",
-    "samples",
-    "padding",
-    "full_floats",
-    "compression",
-)
+PRESET_NAMES = tuple(name for name, option in SHOWN.items() if option.preset)
 
 
 class RADTEX_PT_presets(PresetPanel, bpy.types.Panel):

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from ...bake.kinds import KINDS as _TABLE
+from .kinds import KINDS as _TABLE
 
 KINDS = tuple((kind.value, traits.title, traits.tooltip) for kind, traits in _TABLE.items())
 
