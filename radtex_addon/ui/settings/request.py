@@ -13,9 +13,9 @@ import bpy
 from ...bake.frame_numbers import parse_frames
 from ...core.errors import InputError
 from ...core.sampler import Filter
-from ...job.bake_folders import blend_folder_name, former_folder, open_blend
 from ...job.bake_request import BakeRequest
 from ...scene.lights.lamps import EACH
+from ...store.ownership import blend_folder_name, former_folder, open_blend
 from ...textures.export_spec import Target
 from .output_settings import DEFAULT_FOLDER
 from .preferences import preferred
