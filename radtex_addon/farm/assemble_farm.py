@@ -73,7 +73,7 @@ def assemble_steps(
     capture = FarmCapture(files, manifest, plan)
     place.publish_earlier()
     # Cells are more than memory may hold.
-    with place.open(resume=False, overwrite=replaces) as cells, temporary_folder() as temporary:
+    with place.open(replaces) as cells, temporary_folder() as temporary:
         cells.set_facts({_FARM: manifest.job})
         try:
             sidecar = outputs.sidecar

@@ -7,7 +7,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Collection, Generator, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TypeAlias
 
@@ -19,7 +19,6 @@ from ..bake.progress import Progress, Stage, finished
 from ..bake.spec import BakeSpec, View
 from ..bake.stopwatch import Stopwatch
 from ..bake.thumbnail import Thumbnail
-from ..core.atlas import AtlasLayout
 from ..core.blas import one_blas_thread
 from ..core.errors import InputError
 from ..core.messages import Setting, do
@@ -63,26 +62,17 @@ BakeSteps: TypeAlias = "Generator[Progress | Step, None, BakeResult]"
 
 
 @dataclass(frozen=True)
-class BakeResult:
-    """The result of a bake, and what it cost: `paths` are camera paths, `seconds` are by stage.
+class BakeResult(BakeOutput):
+    """The result of a bake, and what this run of it cost: `seconds` are by stage.
 
-    `islands`, `coverage`, `wasteful` and `density` are as in `BakeOutput`. `exported` are
-    the folders that were made. If the bake `was_finished`, only its missing preview and exports were made,
-    and paths and covered texels are 0: they are not known. `triangles` of the baked surface are None where
-    none was evaluated.
+    `paths` are camera paths; the UV layer has so many `islands`, which cover a share of it, the `coverage`;
+    `wasteful` says why the map wastes its atlas, empty if it does not; `density` is the texels per metre that
+    it has, if its size follows from a density. `exported` are the folders that were made. If the bake
+    `was_finished`, only its missing preview and exports were made, and paths and covered texels are 0: they
+    are not known. `triangles` of the baked surface are None where none was evaluated.
     """
 
-    files: OutputFiles
-    layout: AtlasLayout
-    covered_texels: int
-    islands: int | None
-    coverage: float | None
-    wasteful: str
-    density: float | None
-    paths: int
-    device: str
-    clamped: int
-    seconds: dict[Stage, float]
+    seconds: dict[Stage, float] = field(default_factory=dict)
     exported: tuple[Path, ...] = ()
     was_finished: bool = False
     triangles: int | None = None
@@ -161,13 +151,13 @@ def bake_steps(
     )
     for warning in warnings:
         log.warning(warning)
-    was_finished = place.only_completes(resume, bool(overwrite))
+    was_finished = place.only_completes(bool(overwrite), resume)
     targets = place.missing_exports(exports) if was_finished else tuple(exports)
     shown = None if was_finished and not place.misses_preview() else preview
     if not resume:
         place.publish_earlier()
     watch = Stopwatch()
-    with place.open(resume, overwrite, targets) as checkpoint:
+    with place.open(overwrite, resume, targets) as checkpoint:
         try:
             known = place.publish_again(checkpoint, was_finished)
             made, triangles = known, None

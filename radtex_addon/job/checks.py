@@ -76,7 +76,7 @@ def check_request(
         check_saveable(shown)
         if _is_open(shown):
             raise InputError(f"{shown} is the open file, which a bake never changes: choose another folder")
-    place.check_may_write(overwrite, resume, tuple(exports))
+    place.check_may_write(Overwrite.of(overwrite), resume, tuple(exports))
     if preview:
         form_for(spec).check_previewable(spec)
         check_replaceable(items)

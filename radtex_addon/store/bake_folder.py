@@ -105,7 +105,7 @@ class BakeFolder:
         except FormatError:
             return False
 
-    def only_completes(self, resume: bool, overwrite: bool) -> bool:
+    def only_completes(self, overwrite: bool, resume: bool) -> bool:
         """Whether resuming finds a finished bake, so that only a missing preview or exports are made."""
         return resume and not overwrite and self.state is State.FINISHED
 
@@ -142,14 +142,14 @@ class BakeFolder:
     # May I write here? What must I say?
 
     def check_may_write(
-        self, overwrite: bool | Overwrite, resume: bool = False, exports: Collection[Target] = ()
+        self, overwrite: Overwrite, resume: bool = False, exports: Collection[Target] = ()
     ) -> None:
         """Make sure, before a bake, that it and its `exports` replace nothing that they may not.
 
         Raises InputError, which says what to do; also if the bake to `resume` differs, or is finished with
         its preview and its exports.
         """
-        overwrite, files = Overwrite.of(overwrite), self.files
+        files = self.files
         if files.unfinished.is_symlink() or (files.unfinished.exists() and not files.unfinished.is_dir()):
             raise InputError(  # pieces would be written and deleted behind it
                 f"{files.unfinished} is a file, or a link, where a folder must go: move it, or choose "
@@ -179,7 +179,7 @@ class BakeFolder:
         write, and for a folder that would be lost unless the bake to `resume` may have written it.
         """
         may = checkpoints.replaced_by(self.files.unfinished) if resume else frozenset()
-        was_finished = self.only_completes(resume, overwrite)
+        was_finished = self.only_completes(overwrite, resume)
         for target in exports:
             place = self.files.export(target)
             check_target("the bake", self.spec.kind, target)
@@ -195,14 +195,14 @@ class BakeFolder:
     # Write
 
     def open(
-        self, resume: bool, overwrite: bool | Overwrite = False, exports: Collection[Target] = ()
+        self, overwrite: Overwrite, resume: bool = False, exports: Collection[Target] = ()
     ) -> Checkpoint:
         """Open the checkpoint of the bake; it lasts until the `exports` are made, too.
 
         At its first piece it checks again that it replaces no files that it may not. Raises InputError if the
         bake to `resume` differs.
         """
-        overwrite, files, spec = Overwrite.of(overwrite), self.files, self.spec
+        files, spec = self.files, self.spec
         goes_on = resume and (is_unfinished(files.unfinished) or files.sidecar.exists())
         earlier: str | None = None
 
@@ -277,7 +277,7 @@ class BakeFolder:
         if not resume and not overwrite and not checkpoints.is_announced(files.unfinished):
             raise self._unfinished()
         if resume:
-            self.open(resume)
+            self.open(overwrite, resume)  # raises if it differs
         else:
             self._check_replaced(overwrite, self._adds)
         may = checkpoints.replaced_by(files.unfinished) if resume else frozenset()

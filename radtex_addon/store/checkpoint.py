@@ -53,7 +53,8 @@ class Checkpoint(PieceStore):
     """Stores pieces in `folder`, which is created for the first of them and locked until `close`.
 
     The first piece that is stored or found raises InputError where another process works on the folder. As a
-    context it closes itself, and lets our errors name files by their final paths.
+    context it closes itself, and lets our errors name files by their final paths. `made` is the bake's
+    result, as given to `publish`, once all its files are written; they may not have their final names yet.
     """
 
     def __init__(
@@ -76,7 +77,7 @@ class Checkpoint(PieceStore):
         self._replaces = sorted({path.name for path in replaces})
         if self._known is not None and not self._known.facts:  # it was only announced
             self._known = None
-        self._made = None if self._known is None else self._known.made
+        self.made = None if self._known is None else self._known.made
         self._workers: list[int] = []
         self._lock: Lock | None = None
         self._check = check
@@ -97,7 +98,7 @@ class Checkpoint(PieceStore):
         """Release the lock; pieces stay. Output files are deleted, unless all of them were written."""
         if self._lock is None:
             return
-        if self._made is None:
+        if self.made is None:
             with suppress(OSError):
                 _drop_waiting(self._folder)
         self._lock.release()
@@ -180,14 +181,6 @@ class Checkpoint(PieceStore):
             raise BakeError(refusal(path, error)) from error
         return folder / path.name
 
-    @property
-    def made(self) -> dict[str, Any] | None:
-        """The bake's result, as given to `publish`, once all its files are written; else None.
-
-        The files may not have their final names yet.
-        """
-        return self._made
-
     def publish(self, made: dict[str, Any]) -> None:
         """Record the bake's result `made`, and move its files, all of them written, to their final names.
 
@@ -195,7 +188,7 @@ class Checkpoint(PieceStore):
         system refuses.
         """
         self.begin()
-        self._made = made
+        self.made = made
         self._write_key()
         self._move_out()
 
@@ -248,7 +241,7 @@ class Checkpoint(PieceStore):
             raise self._gone()
         else:
             self._replaces = sorted({*self._replaces, *self._known.replaces})
-        if self._made is None:
+        if self.made is None:
             with suppress(OSError):
                 _drop_waiting(self._folder)
         self._write_key()
@@ -258,7 +251,7 @@ class Checkpoint(PieceStore):
         blend = self._blend
         if self._known is not None:
             facts, blend = self._known.facts, self._known.blend or blend
-        write_key(self._folder, Key(facts, self._replaces, [*self._workers, os.getpid()], self._made, blend))
+        write_key(self._folder, Key(facts, self._replaces, [*self._workers, os.getpid()], self.made, blend))
 
     def _move_out(self) -> None:
         """Move the waiting files that the bake may replace to their final places; delete the others.

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -138,7 +138,7 @@ class BakeOutput:
             "replaced": sorted(path.name for path in earlier),
             "images": [path.name for path in self.files.images],
         }
-        values = {name: value for name, value in vars(self).items() if name != "files"}
+        values = {one.name: getattr(self, one.name) for one in fields(BakeOutput)[1:]}
         return names | values | {"layout": asdict(self.layout)}
 
     @classmethod

@@ -367,7 +367,7 @@ def test_who_begins_anew_finds_the_earlier_files_together(folder: Path) -> None:
     with both(folder) as checkpoint:
         written(checkpoint, folder)
         write_key(folder, Key(FACTS, sorted(WHOLE), [], {"paths": 3}))  # all is written, nothing is moved
-        checkpoint._made = {}  # and there it dies
+        checkpoint.made = {}  # and there it dies
     publish_earlier(folder)
     assert outside(folder) == WHOLE
     assert read_key(folder).made == {"paths": 3}
