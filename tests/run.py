@@ -53,6 +53,7 @@ BUDGETS = {
     "tests/bake": 20,
     "tests/export": 10,
     "tests/report": 10,
+    "tests/store": 5,
     "tests/bench": 10,
 }
 BAKES = "tests/blender"  # half of the processor time

@@ -1,18 +1,19 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Stores for a bake's finished pieces: nowhere, or in memory; `checkpoint.py` stores them in a folder."""
+"""Stores for a bake's finished pieces: nowhere, or in memory; `store/checkpoint.py` has the one on disk."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy.typing as npt
 
 from ..core.errors import BakeError
-from .key import Facts
-from .pieces import Arrays
+
+Arrays: TypeAlias = dict[str, npt.NDArray[Any]]  # a piece: its arrays by name
+Facts: TypeAlias = Mapping[str, str]  # what pieces are of; a hash begins with `near_digest.DIGEST`
 
 
 class PieceStore:

@@ -14,9 +14,9 @@ from ..core.errors import InputError
 from ..core.messages import Setting, do
 from ..export.target_checks import check_target
 from ..job import OpenLayout
-from ..job.bake_folders import own_folder
 from ..job.bake_request import BakeRequest
 from ..scene.demo import OBJECT
+from ..store.ownership import own_folder
 from ..textures.export_spec import Target
 from .bake_arguments import add_bake_options
 from .default_folders import blend_of, former_folders

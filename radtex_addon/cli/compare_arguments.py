@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..core.errors import InputError
-from ..job.bake_folders import own_folder
 from ..report.side_by_side import ComparisonSpec
 from ..report.viewpoint import Eye
+from ..store.ownership import own_folder
 from .default_folders import blend_of, default_bakes
 from .options import (
     COMPARE,

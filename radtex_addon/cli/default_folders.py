@@ -8,8 +8,8 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
-from ..job.bake_folders import FOLDER, UNSAVED, former_folder, open_blend, own_folder
 from ..report.shown import has_bakes
+from ..store.ownership import FOLDER, UNSAVED, former_folder, open_blend, own_folder
 
 
 def blend_of(found: argparse.Namespace, demo: bool) -> Path:

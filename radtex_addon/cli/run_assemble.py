@@ -11,8 +11,7 @@ from ..export.target_checks import check_target
 from ..farm.assemble_farm import assemble_steps
 from ..farm.farm_files import FarmFiles
 from ..farm.farm_manifest import read_manifest
-from ..job.existing_bakes import check_exports
-from ..job.output_files import OutputFiles
+from ..store.bake_folder import BakeFolder
 from .assemble_arguments import AssembleRequest
 from .interruption import Interruption
 from .reporting import Report
@@ -31,8 +30,8 @@ def run_assemble(request: AssembleRequest, report: Report, interruption: Interru
             raise InputError("--export is made from the preview: prepare the farm with --save-preview")
     if request.exports:
         folder = request.farm.absolute().parent if request.out is None else request.out
-        outputs = OutputFiles.of(manifest.name, manifest.spec, folder, preview=True)
-        check_exports(manifest.spec, outputs, request.exports, request.overwrite, resume=False)
+        place = BakeFolder(manifest.name, manifest.spec, folder, preview=True)
+        place.check_exports(request.exports, request.overwrite, resume=False)
     steps = assemble_steps(
         request.farm, request.out, overwrite=request.overwrite, overwrite_any=request.overwrite_any
     )

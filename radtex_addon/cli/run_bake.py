@@ -14,7 +14,6 @@ from pathlib import Path
 
 import bpy
 
-from ..bake.key import is_unfinished
 from ..bake.spec import BakeSpec
 from ..bake.texel_density import told_density
 from ..bake.thumbnail import Thumbnail
@@ -26,10 +25,11 @@ from ..formats.disk.lock import release_all
 from ..formats.disk.memory import readable_size
 from ..formats.disk.path_checks import check_unicode
 from ..formats.disk.temporary import remove_open
-from ..job import BakeResult, OutputFiles
+from ..job import BakeResult
 from ..job.bake_plan import check_plan, plan_bakes, steps_of_bakes
 from ..job.variants import title_of
 from ..preview.picture import render_picture
+from ..store.bake_folder import State
 from ..textures.export_spec import Target
 from .arguments import Request
 from .collection_objects import with_collections
@@ -156,8 +156,7 @@ def _leave(name: str, spec: BakeSpec, request: Request, report: Report) -> None:
 
 def _with_the_way_on(failure: RadTexError, name: str, spec: BakeSpec, request: Request) -> RadTexError:
     """The same error; says how to resume if an unfinished bake was kept."""
-    files = OutputFiles.of(name, spec, request.bakes.folder, preview=False)
-    if not is_unfinished(files.unfinished):
+    if request.bakes.place((name, spec)).state is not State.UNFINISHED:
         return failure
     problem = failure.message.problem
     what = "interrupted" if problem == INTERRUPTED else problem

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+DIGEST = "sha256:"  # prefix of texts that are hashes, which messages do not show
 _PARTS = 8  # of each array: one sum for each
 _SMALL = 1e-3  # sizes of values below it are rounded as values of that size
 _SAME = 3e-5  # differences of sums up to this are rounding: all of Bevel's UVs together make 3e-7

@@ -22,8 +22,7 @@ from ..bake.light_samples import (
     cells_of,
     spread_shifts,
 )
-from ..bake.piece_store import NO_STORE, PieceStore
-from ..bake.pieces import Arrays
+from ..bake.piece_store import NO_STORE, Arrays, PieceStore
 from ..bake.plan import CapturePlan, Tile
 from ..bake.progress import Progress, Stage
 from ..bake.thumbnail import Thumbnail

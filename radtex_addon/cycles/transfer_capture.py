@@ -19,8 +19,7 @@ import numpy as np
 from mathutils import Vector
 
 from ..bake.kinds import Kind
-from ..bake.piece_store import NO_STORE, PieceStore
-from ..bake.pieces import Arrays
+from ..bake.piece_store import NO_STORE, Arrays, PieceStore
 from ..bake.plan import CapturePlan, Tile
 from ..bake.progress import Progress, Stage
 from ..bake.thumbnail import Thumbnail

@@ -16,9 +16,8 @@ from pathlib import Path, PurePosixPath, PureWindowsPath
 from ..core.errors import BakeError, FormatError, InputError, RadTexError
 from ..core.messages import Setting, do
 from ..formats.disk.atomic import check_writable
-from ..formats.disk.file_digest import digest
-from ..formats.disk.hidden_folder import hidden_folder
-from ..formats.disk.regular import read_regular
+from ..formats.disk.regular import digest, read_regular
+from ..formats.disk.temporary import hidden_folder
 
 LIST = ".radtex-files"  # the list of all files that exports wrote; other files are the user's
 _NOT_WHOLE = ".radtex-unfinished"  # in that list while files are moved; there is no such file

@@ -12,8 +12,6 @@ from typing import Any
 import bpy
 import numpy as np
 
-from ..bake.announce import publish_earlier
-from ..bake.key import is_unfinished, read_key
 from ..bake.progress import Stage
 from ..bake.spec import BakeSpec
 from ..bake.stopwatch import Stopwatch
@@ -23,16 +21,13 @@ from ..formats.disk.atomic import check_writable
 from ..formats.disk.temporary import temporary_folder
 from ..formats.json_reader import shown
 from ..forms.buckets.bake import join_buckets
-from ..job.bake_output import BakeOutput
-from ..job.baking import BakeResult, errors_with_final_paths, publish
-from ..job.existing_bakes import images_of
-from ..job.output_files import OutputFiles
+from ..job.baking import BakeResult
 from ..job.previews import save_preview_of
-from ..job.replaced_bake import Overwrite
-from ..job.unfinished import check_files as check_outputs
-from ..job.unfinished import open_checkpoint
 from ..prepare.prepared import Piece
 from ..scene.mesh.copy import MATRIX
+from ..store.bake_folder import BakeFolder, State
+from ..store.output_files import BakeOutput, OutputFiles
+from ..store.ownership import Overwrite
 from .farm_files import FarmFiles
 from .farm_manifest import Copies, Manifest, check_files, read_manifest, read_plan
 from .farm_progress import AnyStep
@@ -66,22 +61,19 @@ def assemble_steps(
     check_files(files, manifest)
     spec, copies = manifest.spec, manifest.copies
     out = folder.absolute().parent if out is None else out
-    outputs = OutputFiles.of(manifest.name, spec, out, copies is not None)
+    place = BakeFolder(manifest.name, spec, out, copies is not None)
+    outputs = place.files
     check_writable(out)
-    begun = _was_begun(outputs, manifest)  # nothing was rendered: to begin anew is as good as to go on
+    begun = _was_begun(place, manifest)  # nothing was rendered: to begin anew is as good as to go on
     replaces = Overwrite(overwrite or begun, overwrite_any or begun, Path(manifest.facts.blend))
-    check_outputs(manifest.name, spec, outputs, replaces, resume=False)
+    place.check_may_write(replaces)
     plan, hidden = read_plan(files, manifest)
     yield from check_frames(files, manifest)
     watch = Stopwatch()
     capture = FarmCapture(files, manifest, plan)
-    publish_earlier(outputs.unfinished)
-    earlier = images_of(outputs.sidecar)
-    with (
-        open_checkpoint(manifest.name, spec, outputs, resume=False, overwrite=replaces) as cells,
-        errors_with_final_paths(outputs),
-        temporary_folder() as temporary,
-    ):  # cells are more than memory may hold
+    place.publish_earlier()
+    # Cells are more than memory may hold.
+    with place.open(replaces) as cells, temporary_folder() as temporary:
         cells.set_facts({_FARM: manifest.job})
         try:
             sidecar = outputs.sidecar
@@ -89,7 +81,7 @@ def assemble_steps(
                 join_buckets(plan, capture, hidden, spec, sidecar, manifest.facts, temporary, cells)
             )
             made = BakeOutput.by(outcome, outputs, manifest.device, manifest.facts)
-            publish(cells, outputs, made, earlier)
+            place.publish(cells, made)
             if copies is not None:
                 yield watch.start(Stage.PREVIEW)
                 _save_preview(files, manifest, copies, outputs)
@@ -99,28 +91,15 @@ def assemble_steps(
             raise
         cells.drop_own()
     watch.stop()
-    result = BakeResult(
-        files=made.files,
-        layout=made.layout,
-        covered_texels=made.covered_texels,
-        islands=made.islands,
-        coverage=made.coverage,
-        wasteful=made.wasteful,
-        density=made.density,
-        paths=made.paths,
-        device=manifest.device,
-        clamped=made.clamped,
-        seconds=watch.seconds,
-    )
-    return Assembled(manifest.name, spec, result)
+    return Assembled(manifest.name, spec, BakeResult(**vars(made), seconds=watch.seconds))
 
 
-def _was_begun(outputs: OutputFiles, manifest: Manifest) -> bool:
+def _was_begun(place: BakeFolder, manifest: Manifest) -> bool:
     """Whether a killed process left an unfinished assembly of the same frames."""
-    if not is_unfinished(outputs.unfinished):
+    if place.state is not State.UNFINISHED:
         return False
     try:
-        return read_key(outputs.unfinished).facts.get(_FARM) == manifest.job
+        return place.begun_facts().get(_FARM) == manifest.job
     except InputError:  # it has no key that can be read: so it is not taken for ours
         return False
 

@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 
-from ..bake import piece_format
 from ..bake.hidden_cells import HiddenCells
 from ..bake.kinds import KINDS
 from ..bake.options import OPTIONS
@@ -21,11 +20,12 @@ from ..core.errors import FormatError, InputError
 from ..core.messages import Setting, do, leave_out
 from ..core.sampler import Filter
 from ..formats.containers.numpy_files import read_npz
-from ..formats.disk.file_digest import digest
 from ..formats.disk.memory import check_memory
+from ..formats.disk.regular import digest
 from ..formats.json_reader import Facts, json_text
 from ..formats.sidecar import Sidecar
 from ..formats.sidecar_file import read_text
+from ..store import checkpoint_files
 from .carried import Carried
 from .farm_files import FarmFiles
 
@@ -90,7 +90,7 @@ class Manifest:
         return json_text(
             {
                 "version": VERSION,
-                "pieces": piece_format.PIECE_FORMAT,
+                "pieces": checkpoint_files.PIECE_FORMAT,
                 "job": self.job,
                 "name": self.name,
                 "frames": [1, self.sheets],
@@ -113,10 +113,10 @@ class Manifest:
 def _check_frames_format(files: FarmFiles, facts: Facts) -> None:
     """Raises FormatError for a farm whose frames hold other rays than this program's, or in another order."""
     found = facts.whole_number("pieces", 1)
-    if found != piece_format.PIECE_FORMAT:
+    if found != checkpoint_files.PIECE_FORMAT:
         raise FormatError(
             f"the frames of {files.folder} are of format {found}, this RadTex joins those of format "
-            f"{piece_format.PIECE_FORMAT}: assemble with the RadTex that prepared it, or prepare it anew"
+            f"{checkpoint_files.PIECE_FORMAT}: assemble with the RadTex that prepared it, or prepare it anew"
         )
 
 

@@ -22,19 +22,19 @@ from ..bake.stopwatch import Stopwatch
 from ..core.errors import BakeError, InputError
 from ..core.messages import Setting, do
 from ..core.sampler import Filter
-from ..formats.disk.file_digest import digest
-from ..formats.disk.hidden_folder import hidden_folder
+from ..formats.disk.regular import digest
+from ..formats.disk.temporary import hidden_folder
 from ..formats.sidecar import Sidecar
 from ..forms.bake_job import BakeJob
 from ..forms.buckets.bake import capture_of, plan_buckets
 from ..forms.outcome import Outcome
 from ..job.baking import Baked, bake_unchecked
 from ..job.checks import check_request
-from ..job.output_files import OutputFiles
-from ..job.replaced_bake import Overwrite
 from ..job.split_parts import check_part
 from ..scene.at_frame import at_frame
 from ..scene.scratch import new_data_removed
+from ..store.output_files import OutputFiles
+from ..store.ownership import Overwrite
 from .blend import check_images_saved, finish_blend, save_draft
 from .carried import Carried
 from .farm_files import FarmFiles

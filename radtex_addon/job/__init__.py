@@ -6,12 +6,12 @@ The batch and the panel call these functions; so can a script. Data goes one way
 map, captures, atlas, files.
 """
 
+from ..store.output_files import OutputFiles
+from ..store.ownership import Overwrite
 from .baking import BakeResult, bake_object, bake_steps
 from .changed_bakes import Changes, changes
 from .checks import check_request
 from .layout_choice import Choice, OpenLayout, choose_layout, choose_layouts
-from .output_files import OutputFiles
-from .replaced_bake import Overwrite
 from .split_parts import part_specs
 
 __all__ = [

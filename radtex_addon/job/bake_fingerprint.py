@@ -13,7 +13,7 @@ from ..formats.sidecar_file import read_facts
 from ..preview.swap import previews_not_rendered
 from ..scene.fingerprints import SceneDigests, read_scene
 from ..scene.scratch import find_view_layer, scratch_scene
-from .output_files import OutputFiles
+from ..store.output_files import OutputFiles
 
 
 def read_now(scene: bpy.types.Scene, frame: int | None = None, view_layer: str | None = None) -> SceneDigests:

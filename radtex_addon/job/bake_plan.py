@@ -19,21 +19,20 @@ from ..bake.thumbnail import Thumbnail
 from ..core.errors import InputError
 from ..core.messages import Message
 from ..prepare.unwrapping import Unwraps
+from ..store.bake_folder import State
+from ..store.ownership import Overwrite
 from .bake_request import BakeRequest
 from .baking import BakeSteps, bake_steps
 from .changed_bakes import BakeState, Changes, SceneReader, changes
 from .checks import check_request
 from .layout_choice import Choice, choose_layouts
-from .output_collisions import check_output_collisions
 from .preflight import Preflight, run_preflight
-from .replaced_bake import Overwrite
 from .split_parts import may_lack_parts
 from .variants import (
     Bake,
-    announce_all,
     bakes_to_resume,
+    check_output_collisions,
     skipped_warning,
-    tidy,
     title_of,
     with_incomplete,
 )
@@ -121,7 +120,7 @@ def plan_bakes(scene: bpy.types.Scene, request: BakeRequest, *, guess: bool = Fa
     if not (request.resume and not request.overwrite and request.is_of_several(scene)):
         return BakePlan(request, choices, bakes, unsure)
     if not guess:
-        tidy(bakes, request.folder)
+        _clear_left(request, bakes)
     try:
         left = bakes_to_resume(bakes, request.folder, request.saves_preview, request.exports)
     except InputError:
@@ -134,7 +133,7 @@ def plan_bakes(scene: bpy.types.Scene, request: BakeRequest, *, guess: bool = Fa
 def _plan_of_changed(scene: bpy.types.Scene, request: BakeRequest, choices: dict[Bake, Choice]) -> BakePlan:
     """The bakes that are not there, unfinished or changed, and those that lack a preview or an export."""
     bakes = tuple(choices)
-    tidy(bakes, request.folder)
+    _clear_left(request, bakes)
     reader = SceneReader(scene)
     found = {
         (name, spec): changes(
@@ -145,6 +144,11 @@ def _plan_of_changed(scene: bpy.types.Scene, request: BakeRequest, choices: dict
     again = [bake for bake in bakes if found[bake].asks_for_bake]
     wanted = with_incomplete(bakes, again, request.folder, request.saves_preview, request.exports)
     return BakePlan(request, choices, wanted, found=found)
+
+
+def _clear_left(request: BakeRequest, bakes: Sequence[Bake]) -> None:
+    for bake in bakes:
+        request.place(bake).clear_left()
 
 
 def check_plan(scene: bpy.types.Scene, plan: BakePlan) -> None:
@@ -215,15 +219,8 @@ def steps_of_bakes(
     Bakes of one object share its unwrap. `thumbnail` returns the thumbnail for a bake's name.
     """
     request = plan.request
-    replaces = request.overwrite or request.only_changed
-    announce_all(
-        plan.replaced,
-        request.folder,
-        request.saves_preview,
-        request.exports,
-        replaces,
-        request.may_replace(replaces).blend.name,
-    )
+    if len(plan.replaced) > 1:
+        _announce(plan)
     unwraps: Unwraps | None = {} if len(plan.wanted) > 1 else None  # it is as large as the mesh
     for name, spec in plan.wanted:
         course = plan.course_of((name, spec))
@@ -240,3 +237,17 @@ def steps_of_bakes(
             exports=request.exports,
         )
         yield name, spec, steps
+
+
+def _announce(plan: BakePlan) -> None:
+    """Mark those bakes that replace existing files as unfinished, before the first one starts.
+
+    Otherwise, if the run is killed between two bakes, resuming it would take the old files of the next one
+    for finished. Raises InputError if a process works on one of them, BakeError where the system refuses.
+    """
+    request = plan.request
+    replaces = request.overwrite or request.only_changed
+    for name, spec in plan.replaced:
+        place = request.place((name, spec))
+        if (replaces or spec.accumulate or spec.refresh) and place.state is State.FINISHED:
+            place.announce(request.exports, request.may_replace(replaces).blend.name)

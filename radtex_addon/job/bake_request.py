@@ -15,12 +15,11 @@ from ..core.errors import InputError
 from ..core.sampler import Filter
 from ..scene.lights.lamps import ALL, EACH, each_light
 from ..scene.scratch import find_view_layer
+from ..store.bake_folder import BakeFolder, State
+from ..store.ownership import Overwrite, open_blend
 from ..textures.export_spec import Target
 from .about_texels import with_about_texels
-from .bake_folders import open_blend
-from .existing_bakes import has_begun, is_baked
 from .layout_choice import OpenLayout
-from .replaced_bake import Overwrite
 from .split_parts import guessed_parts, part_specs
 from .variants import Bake
 
@@ -68,6 +67,10 @@ class BakeRequest:
         blend = open_blend() if self.blend is None else self.blend
         return Overwrite(earlier, earlier and self.overwrite_any, blend, self.passes)
 
+    def place(self, bake: Bake) -> BakeFolder:
+        """Where one of the bakes goes, and what is there of it."""
+        return BakeFolder(*bake, self.folder, self.saves_preview)
+
     @property
     def saves_preview(self) -> bool:
         return self.preview is not None
@@ -111,10 +114,12 @@ class BakeRequest:
         if not (self.resume and self.former):
             return self
         bakes = self.asked(scene, guess=guess)
-        if any(has_begun(*bake, self.folder) or is_baked(*bake, self.folder) for bake in bakes):
+        if any(BakeFolder(*bake, self.folder).state is not State.NOTHING for bake in bakes):
             return self
-        begun = (place for place in self.former if any(has_begun(*bake, place) for bake in bakes))
-        return replace(self, folder=next(begun, self.folder))
+        for place in self.former:
+            if any(BakeFolder(*bake, place).state is State.UNFINISHED for bake in bakes):
+                return replace(self, folder=place)
+        return self
 
     def is_of_several(self, scene: bpy.types.Scene) -> bool:
         """Whether these are, or may be, several atlases: resuming then bakes those that are not finished."""

@@ -7,24 +7,20 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Collection, Generator, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TypeAlias
 
 import bpy
 
-from ..bake.announce import publish_earlier
-from ..bake.checkpoint import Checkpoint
 from ..bake.memory_limits import check_memory
-from ..bake.pending_files import with_final_paths
 from ..bake.piece_store import NO_STORE, PieceStore
 from ..bake.progress import Progress, Stage, finished
 from ..bake.spec import BakeSpec, View
 from ..bake.stopwatch import Stopwatch
 from ..bake.thumbnail import Thumbnail
-from ..core.atlas import AtlasLayout
 from ..core.blas import one_blas_thread
-from ..core.errors import InputError, RadTexError
+from ..core.errors import InputError
 from ..core.messages import Setting, do
 from ..core.near_digest import is_same
 from ..core.sampler import Filter
@@ -49,18 +45,15 @@ from ..scene.mesh.cage import take_cage_out
 from ..scene.objects import find_object
 from ..scene.proxy_content import EVERYTHING, show_content_only
 from ..scene.scratch import find_view_layer, new_data_removed, scratch_scene
+from ..store.bake_folder import BakeFolder
+from ..store.output_files import BakeOutput, OutputFiles
+from ..store.ownership import Overwrite, open_blend
 from ..textures.export_progress import Step
 from ..textures.export_spec import ExportSpec, Target
 from .bake_fingerprint import fingerprint_of_bake
-from .bake_folders import open_blend
-from .bake_output import BakeOutput
 from .checks import check_request, check_seen
-from .existing_bakes import images_of, is_there, misses_preview, missing_exports
-from .output_files import OutputFiles
 from .previews import save_preview_of
-from .replaced_bake import Overwrite
 from .split_parts import check_part
-from .unfinished import open_checkpoint
 
 log = logging.getLogger(__name__)
 
@@ -69,55 +62,20 @@ BakeSteps: TypeAlias = "Generator[Progress | Step, None, BakeResult]"
 
 
 @dataclass(frozen=True)
-class BakeResult:
-    """The result of a bake, and what it cost: `paths` are camera paths, `seconds` are by stage.
+class BakeResult(BakeOutput):
+    """The result of a bake, and what this run of it cost: `seconds` are by stage.
 
-    `islands`, `coverage`, `wasteful` and `density` are as in `BakeOutput`. `exported` are
-    the folders that were made. If the bake `was_finished`, only its missing preview and exports were made,
-    and paths and covered texels are 0: they are not known. `triangles` of the baked surface are None where
-    none was evaluated.
+    `paths` are camera paths; the UV layer has so many `islands`, which cover a share of it, the `coverage`;
+    `wasteful` says why the map wastes its atlas, empty if it does not; `density` is the texels per metre that
+    it has, if its size follows from a density. `exported` are the folders that were made. If the bake
+    `was_finished`, only its missing preview and exports were made, and paths and covered texels are 0: they
+    are not known. `triangles` of the baked surface are None where none was evaluated.
     """
 
-    files: OutputFiles
-    layout: AtlasLayout
-    covered_texels: int
-    islands: int | None
-    coverage: float | None
-    wasteful: str
-    density: float | None
-    paths: int
-    device: str
-    clamped: int
-    seconds: dict[Stage, float]
+    seconds: dict[Stage, float] = field(default_factory=dict)
     exported: tuple[Path, ...] = ()
     was_finished: bool = False
     triangles: int | None = None
-
-    @classmethod
-    def of(
-        cls,
-        made: BakeOutput,
-        seconds: dict[Stage, float],
-        exported: tuple[Path, ...],
-        was_finished: bool,
-        triangles: int | None,
-    ) -> BakeResult:
-        return cls(
-            files=made.files,
-            layout=made.layout,
-            covered_texels=made.covered_texels,
-            islands=made.islands,
-            coverage=made.coverage,
-            wasteful=made.wasteful,
-            density=made.density,
-            paths=made.paths,
-            device=made.device,
-            clamped=made.clamped,
-            seconds=seconds,
-            exported=exported,
-            was_finished=was_finished,
-            triangles=triangles,
-        )
 
 
 def bake_object(
@@ -186,25 +144,22 @@ def bake_steps(
     """
     check_part(name, spec)
     overwrite = Overwrite.of(overwrite)
-    files = OutputFiles.of(name, spec, folder, preview is not None)
+    place = BakeFolder(name, spec, folder, preview is not None)
+    files = place.files
     warnings = check_request(
         scene, name, spec, folder, preview is not None, overwrite, view_layer, resume, exports
     )
     for warning in warnings:
         log.warning(warning)
-    was_finished = is_there(files, bool(overwrite), resume)
-    targets = missing_exports(files, exports) if was_finished else tuple(exports)
-    shown = None if was_finished and not misses_preview(files) else preview
+    was_finished = place.only_completes(bool(overwrite), resume)
+    targets = place.missing_exports(exports) if was_finished else tuple(exports)
+    shown = None if was_finished and not place.misses_preview() else preview
     if not resume:
-        publish_earlier(files.unfinished)
-    earlier = frozenset() if was_finished else images_of(files.sidecar)
+        place.publish_earlier()
     watch = Stopwatch()
-    with (
-        open_checkpoint(name, spec, files, resume, overwrite, targets) as checkpoint,
-        errors_with_final_paths(files),
-    ):
+    with place.open(overwrite, resume, targets) as checkpoint:
         try:
-            known = _made_before(checkpoint, files, was_finished)
+            known = place.publish_again(checkpoint, was_finished)
             made, triangles = known, None
             if known is None or shown is not None:
                 baker = None if known is None else _finished_baker(known)
@@ -224,7 +179,7 @@ def bake_steps(
                     )
                     made, triangles = baked.made, len(baked.prepared.surface.triangles)
                     if known is None:
-                        publish(checkpoint, files, made, earlier)
+                        place.publish(checkpoint, made)
                     if shown is not None:
                         yield watch.start(Stage.PREVIEW)
                         save_preview_of(scene, spec, made.files, baked.prepared, shown, view_layer)
@@ -236,42 +191,13 @@ def bake_steps(
             checkpoint.drop_own()
             raise
         checkpoint.remove()
-    return BakeResult.of(made, watch.seconds, exported, was_finished, triangles)
-
-
-@contextmanager
-def errors_with_final_paths(files: OutputFiles) -> Iterator[None]:
-    """Make errors name files by their final paths, not by their temporary ones."""
-    try:
-        yield
-    except RadTexError as error:
-        problem = error.message.problem
-        said = with_final_paths(problem, files.unfinished)
-        if said == problem:
-            raise
-        raise error.saying(said) from error
-
-
-def _made_before(checkpoint: Checkpoint, files: OutputFiles, was_finished: bool) -> BakeOutput | None:
-    """The result of a bake whose files were all written before, after publishing them; else None."""
-    told = BakeOutput.known(files).told() if was_finished else checkpoint.made
-    if told is None:
-        return None
-    known = BakeOutput.of(told, files)
-    publish(checkpoint, files, known, BakeOutput.replaced(told, files))
-    return known
-
-
-def publish(
-    checkpoint: Checkpoint, files: OutputFiles, made: BakeOutput, earlier: Collection[Path] = ()
-) -> None:
-    """Move all files to their final names, and delete images of an overwritten bake that this one lacks.
-
-    These are images that this layout may have, and the `earlier` bake's, which may be in another layout.
-    """
-    checkpoint.publish(made.told(earlier))
-    for path in {*files.images, *earlier} - set(made.files.images):
-        path.unlink(missing_ok=True)
+    return BakeResult(
+        **vars(made),
+        seconds=watch.seconds,
+        exported=exported,
+        was_finished=was_finished,
+        triangles=triangles,
+    )
 
 
 def _finished_baker(known: BakeOutput) -> Baker:

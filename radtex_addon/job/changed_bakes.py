@@ -10,7 +10,6 @@ from pathlib import Path
 
 import bpy
 
-from ..bake.key import is_unfinished
 from ..bake.spec import BakeSpec
 from ..core.errors import FormatError
 from ..formats.fingerprint import VERSION, fingerprint_in
@@ -18,8 +17,8 @@ from ..formats.json_reader import Facts
 from ..formats.sidecar_file import read_facts
 from ..scene.fingerprints import SceneDigests
 from ..scene.scratch import find_view_layer
+from ..store.bake_folder import BakeFolder, State
 from .bake_fingerprint import read_now
-from .output_files import OutputFiles
 
 MOVED = "moved"
 SURROUNDINGS = "surroundings"
@@ -97,10 +96,10 @@ def changes(
     found. Nothing is changed. Raises InputError for an object or a lamp that no
     longer renders.
     """
-    files = OutputFiles.of(name, spec, folder, preview=False)
-    begun = is_unfinished(files.unfinished)
-    if begun or not files.sidecar.is_file():
-        return Changes(BakeState.UNFINISHED if begun else BakeState.MISSING)
+    place = BakeFolder(name, spec, folder)
+    files, there = place.files, place.state
+    if there is not State.FINISHED:
+        return Changes(BakeState.UNFINISHED if there is State.UNFINISHED else BakeState.MISSING)
     try:
         facts = read_facts(files.sidecar)
         stored = fingerprint_in(facts)

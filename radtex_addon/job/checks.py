@@ -36,11 +36,9 @@ from ..scene.objects import find_object
 from ..scene.proxy_content import find_content
 from ..scene.scratch import find_view_layer
 from ..scene.uv.unwrap import check_unwrapper
+from ..store.bake_folder import BakeFolder
+from ..store.ownership import Overwrite
 from ..textures.export_spec import Target
-from .existing_bakes import check_exports
-from .output_files import OutputFiles
-from .replaced_bake import Overwrite, check_same_subject
-from .unfinished import check_files, check_folder
 
 
 def check_request(
@@ -62,7 +60,6 @@ def check_request(
     """
     check_memory(spec)
     check_device(spec.device)
-    targets = tuple(exports)
     items = [find_object(scene, each) for each in spec.objects or (name,)]
     if spec.objects and name not in spec.objects and name in scene.objects:
         raise InputError(
@@ -72,19 +69,14 @@ def check_request(
     layer = find_view_layer(scene, view_layer)
     if spec.uv_layer is None:
         check_unwrapper(spec.unwrap)
-    files = OutputFiles.of(name, spec, folder, preview)
+    place = BakeFolder(name, spec, folder, preview)
     check_outside_files()
     check_writable(folder)
-    if files.preview is not None:
-        check_saveable(files.preview)
-    if files.preview is not None and _is_open(files.preview):
-        raise InputError(
-            f"{files.preview} is the open file, which a bake never changes: choose another folder"
-        )
-    check_folder(files.unfinished)
-    check_same_subject(name, spec, files)
-    check_exports(spec, files, targets, bool(overwrite), resume)  # before errors that overwriting solves
-    check_files(name, spec, files, overwrite, resume, targets)
+    if (shown := place.files.preview) is not None:
+        check_saveable(shown)
+        if _is_open(shown):
+            raise InputError(f"{shown} is the open file, which a bake never changes: choose another folder")
+    place.check_may_write(Overwrite.of(overwrite), resume, tuple(exports))
     if preview:
         form_for(spec).check_previewable(spec)
         check_replaceable(items)

@@ -7,26 +7,23 @@ The specification, the object and existing files decide; the machine does not.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, cast
+from typing import cast
 
 import bpy
 
 from ..bake.forms import FormTraits
-from ..bake.key import is_unfinished, read_key
-from ..bake.kinds import Layout, form_in
+from ..bake.kinds import Layout
 from ..bake.memory_limits import check_memory
 from ..bake.spec import BakeSpec
-from ..core.errors import FormatError, InputError, MemoryLimitError
+from ..core.errors import InputError, MemoryLimitError
 from ..core.messages import Setting, do
 from ..formats.disk.memory import readable_size
-from ..formats.sidecar_file import read_facts
-from ..forms import form_in as form_of_facts
 from ..forms.layered.files.sidecar import MOST_MATERIALS
 from ..scene.checks.see_through import why_no_surface
-from .output_files import OutputFiles
+from ..store.bake_folder import BakeFolder, State
 from .variants import Bake
 
 _MOST_MEMORY = 8 << 30  # bytes: if the layered layout needs more, buckets is chosen, on every machine
@@ -79,7 +76,7 @@ def choose_layout(
     if folder is not None and spec.kind.traits.looks_at_surface and (resume or again):
         begun = _begun([bake, *(one for one in others if one[0] == name)], folder, overwrite and not again)
         if begun is not None:
-            return Choice(_as_begun(bake, begun, wish, folder))
+            return Choice(_as_begun(bake, *begun, wish, folder))
     reason = _why_not_layered(spec, wish.cells) or _why_not_objects(scene, name, spec)
     if reason:
         return Choice(spec, reason)
@@ -140,57 +137,25 @@ def _materials_of(items: Sequence[bpy.types.Object]) -> int:
     return len({slot.material for item in items for slot in item.material_slots})
 
 
-@dataclass(frozen=True)
-class _Begun:
-    """How an existing bake is stored."""
-
-    form: FormTraits
-    bucket: int
-
-
-def _begun(bakes: Sequence[Bake], folder: Path, anew: bool) -> _Begun | None:
+def _begun(bakes: Sequence[Bake], folder: Path, anew: bool) -> tuple[FormTraits, int] | None:
     """How the first of these bakes that exists is stored; if `anew`, only unfinished ones count."""
-    for name, spec in bakes:
-        files = OutputFiles.of(name, spec, folder, preview=False)
-        if is_unfinished(files.unfinished):
-            found = _from_key(read_key(files.unfinished).facts)
-        else:
-            found = None if anew or not files.sidecar.is_file() else _from_sidecar(files.sidecar)
-        if found is not None:
-            return found
+    for bake in bakes:
+        there = BakeFolder(*bake, folder)
+        if not anew or there.state is State.UNFINISHED:
+            found = there.stored_as()
+            if found is not None:
+                return found
     return None
 
 
-def _from_key(facts: Mapping[str, str]) -> _Begun | None:
-    """From the facts in an unfinished bake's key; None if they are not as RadTex writes them."""
-    try:
-        return _Begun(form_in(Layout(facts["layout"])), int(facts["bucket"]))
-    except (KeyError, ValueError):
-        return None
-
-
-def _from_sidecar(path: Path) -> _Begun | None:
-    """From a finished bake's sidecar, None if unreadable."""
-    try:
-        facts = read_facts(path)
-        form = form_of_facts(facts).traits
-    except FormatError:
-        return None
-    bucket: Any = facts.values.get("bucket")
-    if not isinstance(bucket, int):
-        return None
-    return _Begun(form, bucket)
-
-
-def _as_begun(bake: Bake, begun: _Begun, wish: OpenLayout, folder: Path) -> BakeSpec:
+def _as_begun(bake: Bake, form: FormTraits, bucket: int, wish: OpenLayout, folder: Path) -> BakeSpec:
     name, spec = bake
-    cells = wish.cells or begun.bucket
-    if begun.form.layout == spec.layout:
+    cells = wish.cells or bucket
+    if form.layout == spec.layout:
         return replace(spec, bucket=cells)
-    if spec.refresh and not begun.form.refreshes:
-        sidecar = OutputFiles.of(name, spec, folder, preview=False).sidecar
+    if spec.refresh and not form.refreshes:
         raise InputError(
-            f"{sidecar} is in {begun.form.title}, which cannot be refreshed",
+            f"{BakeFolder(name, spec, folder).files.sidecar} is in {form.title}, which cannot be refreshed",
             do("bake it anew in layout buckets", Setting.LAYOUT, Setting.OVERWRITE, value="buckets"),
         )
-    return _in_layout(Layout(begun.form.layout), spec, cells)
+    return _in_layout(Layout(form.layout), spec, cells)

@@ -16,9 +16,9 @@ from ..bake.spec import BakeSpec
 from ..core.errors import InputError
 from ..core.messages import Message, Setting, do, leave_out
 from ..forms import form_for
+from ..store.ownership import Overwrite
 from ..textures.export_spec import Target
 from .checks import check_request
-from .replaced_bake import Overwrite
 
 
 @dataclass(frozen=True)

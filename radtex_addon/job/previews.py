@@ -30,7 +30,7 @@ from ..scene.mesh.copy import copy_object
 from ..scene.mesh.watertight import is_closed
 from ..scene.proxy_content import EVERYTHING, find_content
 from ..scene.scratch import find_view_layer
-from .output_files import OutputFiles
+from ..store.output_files import OutputFiles
 
 
 class Shown(Protocol):

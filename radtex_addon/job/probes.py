@@ -28,8 +28,8 @@ from ..forms.outcome import Outcome
 from ..prepare.prepared import Prepared
 from ..scene.at_frame import at_frame
 from ..scene.scratch import new_data_removed
+from ..store.output_files import OutputFiles
 from .baking import bake_unchecked
-from .output_files import OutputFiles
 from .split_parts import check_part
 
 _UNWRAP_SECONDS = 3.0  # at most; then the small atlas gets a quick unwrap, and the true one's time is guessed

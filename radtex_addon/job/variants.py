@@ -1,25 +1,27 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Several bakes of one run, such as of an object's frames, lights or parts: names, and which to make."""
+"""Several bakes of one run, such as of an object's frames, lights or parts: names, and which to make.
+
+No two of them may have files of the same name, so that one would replace the other's.
+"""
 
 from __future__ import annotations
 
+import tempfile
 from collections.abc import Collection, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import TypeAlias
 
-from ..bake.announce import announce
 from ..bake.bake_title import bake_title, variant_title
-from ..bake.checkpoint import remove_left
-from ..bake.key import is_unfinished
 from ..bake.spec import BakeSpec
 from ..core.errors import FormatError, InputError
 from ..core.messages import Setting, do
+from ..formats.disk.path_checks import nearest_folder
 from ..formats.sidecar import file_name, part_in
 from ..formats.sidecar_file import read_facts
+from ..store.bake_folder import BakeFolder, State
 from ..textures.export_spec import Target
-from .existing_bakes import is_finished, misses_preview, missing_exports
-from .output_files import OutputFiles
 
 Bake: TypeAlias = tuple[str, BakeSpec]  # the name of an object or a shared atlas, and the specification
 
@@ -49,11 +51,7 @@ def bakes_to_resume(
     again = [spec for _, spec in bakes if spec.accumulate or spec.refresh]
     if not again:
         return not_whole(bakes, out, preview, exports)
-    found = tuple(
-        (name, spec)
-        for name, spec in bakes
-        if is_unfinished(OutputFiles.of(name, spec, out, preview=False).unfinished)
-    )
+    found = tuple(bake for bake in bakes if BakeFolder(*bake, out).state is State.UNFINISHED)
     if not found:
         names = ", ".join(f"'{name}'" for name in dict.fromkeys(name for name, _ in bakes))
         raise InputError(
@@ -75,7 +73,7 @@ def not_whole(
     bakes: Sequence[Bake], out: Path, preview: bool, exports: Collection[Target]
 ) -> tuple[Bake, ...]:
     """The bakes that lack files."""
-    lacking = [bake for bake in bakes if not is_finished(*bake, out)]
+    lacking = [bake for bake in bakes if not BakeFolder(*bake, out).is_finished()]
     return with_incomplete(bakes, lacking, out, preview, exports)
 
 
@@ -86,45 +84,54 @@ def with_incomplete(
 
     A missing preview that parts share is made by only one of them.
     """
-    files = {bake: OutputFiles.of(*bake, out, preview) for bake in bakes}
+    folders = {bake: BakeFolder(*bake, out, preview) for bake in bakes}
     lacking = set(lacking)
-    made = {files[bake].preview for bake in lacking}
-    for bake, there in files.items():
-        is_alone = misses_preview(there) and there.preview not in made
-        if is_alone or missing_exports(there, exports):
+    made = {folders[bake].files.preview for bake in lacking}
+    for bake, there in folders.items():
+        is_alone = there.misses_preview() and there.files.preview not in made
+        if is_alone or there.missing_exports(exports):
             lacking.add(bake)
-            made.add(there.preview)
+            made.add(there.files.preview)
     return tuple(bake for bake in bakes if bake in lacking)
 
 
-def announce_all(
-    bakes: Sequence[Bake],
-    out: Path,
-    preview: bool,
-    exports: Collection[Target],
-    overwrite: bool,
-    blend: str = "",
-) -> None:
-    """Mark those of several bakes that replace existing files as unfinished, before the first one starts.
+def check_output_collisions(bakes: Sequence[Bake], out: Path, preview: bool) -> None:
+    """Make sure that no two bakes write the same file in the folder `out`.
 
-    Otherwise, if the run is killed between two bakes, resuming it would take the old files of the next one
-    for finished. `blend` is the name of the .blend that is baked. Raises InputError if a process works on one
-    of them, BakeError where the system refuses.
+    Names may be the same although their Unicode forms differ (é), or their case if the filesystem ignores
+    it. Raises InputError for the first two that share a file.
     """
     if len(bakes) < 2:
         return
-    for name, spec in bakes:
-        files = OutputFiles.of(name, spec, out, preview)
-        again = spec.accumulate or spec.refresh
-        if files.sidecar.exists() and (overwrite or again) and not is_unfinished(files.unfinished):
-            replaces = [*files.own, *(files.export(target) for target in exports)]
-            announce(files.unfinished, replaces, blend)
-
-
-def tidy(bakes: Sequence[Bake], out: Path) -> None:
-    """Remove what was left if a process was killed while it cleaned up after a bake. Raises BakeError."""
+    joins_case: bool | None = None
+    owners: dict[str, tuple[str, Bake]] = {}
     for bake in bakes:
-        remove_left(OutputFiles.of(*bake, out, preview=False).unfinished)
+        for path in BakeFolder(*bake, out, preview).files.own:
+            known, owner = owners.setdefault(path.name.casefold(), (path.name, bake))
+            if owner is bake:
+                continue
+            if known != path.name and joins_case is None:
+                joins_case = _joins_case(out)
+            if known == path.name or joins_case:
+                raise InputError(
+                    f"{_told(*owner)} and {_told(*bake)} would both become {out / path.name}: "
+                    "rename one of them, or bake them into folders of their own"
+                )
+
+
+def _told(name: str, spec: BakeSpec) -> str:
+    words = [f"'{name}'", *([f"its {spec.split} '{spec.part}'"] if spec.part is not None else [])]
+    return ", ".join([*words, *([variant_of(spec)] if variant_of(spec) else [])])
+
+
+def _joins_case(folder: Path) -> bool:
+    """Whether the folder's filesystem ignores the case of names."""
+    with (
+        suppress(OSError),
+        tempfile.NamedTemporaryFile(dir=nearest_folder(folder), prefix=".radtex-", suffix="-a") as file,
+    ):
+        return Path(f"{file.name[:-1]}A").exists()
+    return False
 
 
 def skipped_warning(bakes: Sequence[Bake], left: Sequence[Bake]) -> str:

@@ -9,8 +9,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ..bake.piece_store import PieceStore
-from ..bake.pieces import Arrays
+from ..bake.piece_store import Arrays, PieceStore
 from ..scene.mesh.evaluated import EvaluatedMesh
 
 _ATTRIBUTE = "attribute {}"

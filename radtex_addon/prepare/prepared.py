@@ -17,7 +17,6 @@ import bpy
 import numpy as np
 
 from ..bake.hidden_cells import HiddenCells
-from ..bake.key import DIGEST
 from ..bake.piece_store import NO_STORE, PieceStore
 from ..bake.plan import CapturePlan, plan_capture
 from ..bake.progress import Progress, Stage, Steps, finished
@@ -27,7 +26,7 @@ from ..bake.texel_density import capped_warning
 from ..core.arrays import Bools, Floats, Ints
 from ..core.inset import inset
 from ..core.islands import areas_on_surface
-from ..core.near_digest import NearHash
+from ..core.near_digest import DIGEST, NearHash
 from ..core.ray_offset import ray_offset
 from ..core.seams import Seams, beyond_seams
 from ..core.surface import SurfaceMesh

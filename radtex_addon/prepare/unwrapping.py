@@ -13,8 +13,7 @@ import bpy
 import numpy as np
 
 from ..bake.parts import Split
-from ..bake.piece_store import PieceStore
-from ..bake.pieces import Arrays
+from ..bake.piece_store import Arrays, PieceStore
 from ..bake.progress import Progress
 from ..bake.spec import BakeSpec, Unwrap
 from ..bake.texel_density import side_for

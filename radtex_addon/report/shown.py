@@ -14,9 +14,9 @@ from ..bake.options import MARKED
 from ..core.errors import InputError, RadTexError
 from ..formats.sidecar import file_name
 from ..formats.sidecar_file import AnySidecar, SidecarFile
-from ..job.replaced_bake import is_of_blend
 from ..preview.swap import copy_of, is_on
 from ..preview.variant import Variant, kept_variant, read_variant
+from ..store.ownership import is_of_blend
 from .finished_bake import find_bake, find_bakes
 
 _UNSEEN = [kind for kind, traits in KINDS.items() if not traits.judged]

@@ -16,7 +16,7 @@ from typing import Any
 import bpy
 import numpy as np
 
-from ..bake.key import DIGEST
+from ..core.near_digest import DIGEST
 from .content_digests import file_digest, image_contents
 
 _DEPTH = 4  # levels of settings within settings, such as the points of a curve

@@ -14,7 +14,7 @@ from typing import Any
 import bpy
 import numpy as np
 
-from ..bake.key import DIGEST
+from ..core.near_digest import DIGEST
 from ..formats.disk.regular import open_regular
 
 _WHOLE = 64 << 20  # bytes: of larger files only evenly spaced slices are read

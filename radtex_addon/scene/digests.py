@@ -16,9 +16,8 @@ from typing import Any, cast
 import bpy
 import numpy as np
 
-from ..bake.key import DIGEST
 from ..core.arrays import Floats
-from ..core.near_digest import NearDigest, NearHash, joined
+from ..core.near_digest import DIGEST, NearDigest, NearHash, joined
 from .block_digests import block_settings, digest_of, setting
 from .geometry_digests import Geometry
 from .mesh.evaluated import EvaluatedMesh, render_with

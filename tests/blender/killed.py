@@ -18,11 +18,11 @@ from typing import Any
 
 import bpy
 
-from radtex_addon.bake.key import KEY
 from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.cli.arguments import parse
 from radtex_addon.core.sampler import Filter
 from radtex_addon.formats.containers.exr import read_atlas
+from radtex_addon.store.checkpoint_files import KEY
 from radtex_addon.worker.handover import hand_over, this_program
 from radtex_addon.worker.order import command_line, write_order
 from radtex_addon.worker.orders import order_bake

@@ -10,10 +10,10 @@ from typing import Any
 import bpy
 import pytest
 
-from radtex_addon.bake.announce import announce
 from radtex_addon.cli.arguments import parse
 from radtex_addon.cli.prepare_arguments import parse_prepare
 from radtex_addon.core.errors import InputError
+from radtex_addon.store.checkpoint import announce
 from tests.blender import stage
 from tests.blender.batch_process import QUICK, Batch, refusal
 

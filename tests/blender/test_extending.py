@@ -31,7 +31,7 @@ from radtex_addon.export.exporting import export_steps
 from radtex_addon.export.export_manifest import read_manifest
 from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.job import bake_object
-from radtex_addon.job.existing_bakes import is_finished
+from radtex_addon.store.bake_folder import BakeFolder
 from radtex_addon.textures.export_spec import ExportSpec, Target
 from radtex_addon.bake.menu_items import KINDS
 from tests.blender import stage
@@ -56,7 +56,7 @@ print("RESULT " + json.dumps({
     "light": pixels[..., :3].mean(axis=(0, 1)).tolist(),
     "spread": float(pixels[..., :3].std(axis=(0, 1)).max()),
     "size": list(pixels.shape[:2]),
-    "finished": is_finished("Card", spec, out),
+    "finished": BakeFolder("Card", spec, out).is_finished(),
     "offered": "irradiance" in [name for name, _, _ in KINDS],
     "preview": result.files.preview.is_file(),
     "textures": list(manifest.textures),

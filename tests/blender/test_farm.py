@@ -16,7 +16,6 @@ from typing import Any
 import bpy
 import pytest
 
-from radtex_addon.bake.checkpoint import Checkpoint
 from radtex_addon.bake.progress import finished
 from radtex_addon.bake.spec import BakeSpec, Layer
 from radtex_addon.core.errors import BakeError, FormatError, InputError
@@ -25,6 +24,7 @@ from radtex_addon.farm.assemble_farm import assemble_steps
 from radtex_addon.farm.frame_list import frame_list
 from radtex_addon.farm.prepare_farm import prepare_steps
 from radtex_addon.job import bake_object
+from radtex_addon.store.checkpoint import Checkpoint
 from tests.blender.batch_process import Batch, refusal
 from tests.blender.farming import BOX, assembled, build_moving_scene, prepared, render, rewrite_frame
 from tests.blender.killed import digests

@@ -19,7 +19,7 @@ import pytest
 
 from radtex_addon.bake.spec import BakeSpec, Layer
 from radtex_addon.core.errors import BakeError, FormatError, RadTexError
-from radtex_addon.formats.disk.file_digest import digest
+from radtex_addon.formats.disk.regular import digest
 from radtex_addon.job import bake_object
 from tests.blender import stage
 from tests.blender.farming import assembled, prepared, render, rewrite_frame

@@ -21,7 +21,8 @@ from radtex_addon.formats.containers.exr import read_whole
 from radtex_addon.formats.sidecar_file import SidecarFile
 from radtex_addon.forms import cost_of, form_for, form_in
 from radtex_addon.job import bake_object
-from radtex_addon.job.existing_bakes import images_of, is_finished
+from radtex_addon.store.bake_folder import BakeFolder
+from radtex_addon.store.output_files import images_of
 from radtex_addon.textures.export_spec import ExportSpec, Target, TextureFormat
 from tests.blender import stage
 
@@ -57,8 +58,8 @@ def test_a_form_keeps_to_the_interface(name: str, tmp_path: Path) -> None:
     facts = sidecar.facts
     # found again, as what it is and nothing else
     assert form_in(facts) is form
-    assert is_finished("Ball", spec, tmp_path)
-    assert not is_finished("Ball", replace(spec, texels=8), tmp_path)
+    assert BakeFolder("Ball", spec, tmp_path).is_finished()
+    assert not BakeFolder("Ball", replace(spec, texels=8), tmp_path).is_finished()
     assert set(images) <= set(form.images(spec, sidecar.path)) & images_of(sidecar.path)
     assert all(path.is_file() for path in images)
     # no dearer than was said before

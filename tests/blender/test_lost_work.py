@@ -26,8 +26,8 @@ from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.forms.layered import bake as layered
 from radtex_addon.job import bake_object
 from radtex_addon.job import baking as run
-from radtex_addon.job.existing_bakes import images_of
 from radtex_addon.job.preflight import run_preflight
+from radtex_addon.store.output_files import images_of
 from radtex_addon.textures.export_spec import Target
 from tests.bench.renames import Bench, contents
 from tests.blender.batch_process import Batch

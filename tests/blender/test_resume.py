@@ -14,15 +14,14 @@ import bpy
 import numpy as np
 import pytest
 
-from radtex_addon.bake.key import KEY, workers
-from radtex_addon.bake.piece_format import PIECE_FORMAT
 from radtex_addon.bake.progress import Stage
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.bake.thumbnail import Thumbnail
 from radtex_addon.core.errors import BakeError, FormatError, InputError
 from radtex_addon.cycles import building_blocks, portal
-from radtex_addon.formats.disk.hidden_folder import mark_of
+from radtex_addon.formats.disk.temporary import mark_of
 from radtex_addon.job import bake_object, bake_steps, check_request
+from radtex_addon.store.checkpoint_files import KEY, PIECE_FORMAT
 from tests.blender import stage
 from tests.blender.batch_process import Batch
 from tests.blender.farming import BOX, assembled, build_moving_scene, prepared
@@ -151,7 +150,7 @@ def test_what_changed_of_the_specification_is_named_before_anything_is_done(out:
 
 def test_another_version_is_named(out: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     begun(out)
-    monkeypatch.setattr("radtex_addon.job.unfinished.VERSION", "99.0")
+    monkeypatch.setattr("radtex_addon.store.bake_folder.VERSION", "99.0")
     with pytest.raises(InputError, match=r"RadTex's version \(\S+, now 99\.0\)"):
         bake_object(context.scene, "Ball", QUICK, out, resume=True)
 
@@ -266,7 +265,7 @@ def test_pieces_of_another_format_are_refused_and_a_new_bake_is_whole(
 ) -> None:
     spec, at = UNFINISHED[what]
     with monkeypatch.context() as earlier:
-        earlier.setattr("radtex_addon.bake.piece_format.PIECE_FORMAT", PIECE_FORMAT - 1)
+        earlier.setattr("radtex_addon.store.checkpoint_files.PIECE_FORMAT", PIECE_FORMAT - 1)
         kept = begun(out, spec, at)
     assert any(name.endswith(".piece") for name in kept)
     said = (
@@ -278,7 +277,8 @@ def test_pieces_of_another_format_are_refused_and_a_new_bake_is_whole(
     with pytest.raises(InputError, match="holds an unfinished bake"):
         bake_object(context.scene, "Ball", spec, out)
     assert sorted(path.name for path in (out / FOLDER).iterdir()) == kept, "nothing is deleted unasked"
-    left = out / f"{mark_of(workers(out / FOLDER)[0])}left"  # as when it was killed while it wrote
+    (worker,) = json.loads((out / FOLDER / KEY).read_text())["processes"]
+    left = out / f"{mark_of(worker)}left"  # as when it was killed while it wrote
     left.touch()
     bake_object(context.scene, "Ball", spec, out, overwrite=True)
     assert not left.exists()
@@ -290,7 +290,7 @@ def test_frames_of_another_format_are_not_joined(tmp_path: Path, monkeypatch: py
     spec = BakeSpec(texels=16, bucket=2, samples=1)
     scene = build_moving_scene(tmp_path)
     with monkeypatch.context() as earlier:
-        earlier.setattr("radtex_addon.bake.piece_format.PIECE_FORMAT", PIECE_FORMAT + 1)
+        earlier.setattr("radtex_addon.store.checkpoint_files.PIECE_FORMAT", PIECE_FORMAT + 1)
         farm = prepared(scene, spec, tmp_path / "far").files.folder
     frames = digests(farm)
     said = (

@@ -29,9 +29,9 @@ from radtex_addon.job import bake_object, part_specs
 from radtex_addon.job.about_texels import with_about_texels
 from radtex_addon.job.bake_plan import plan_bakes
 from radtex_addon.job.bake_request import BakeRequest
-from radtex_addon.job.existing_bakes import is_finished
 from radtex_addon.scene.uv.unwrap import unwrap_steps
 from radtex_addon.scene.uv.unwrap_options import UnwrapOptions
+from radtex_addon.store.bake_folder import BakeFolder
 from tests.blender import stage
 from tests.blender.test_unwrap_choice import quads, read
 
@@ -168,10 +168,10 @@ def test_a_plan_has_estimates_and_the_bake_checks_the_memory_it_really_needs(
 def test_a_finished_bake_is_one_of_the_density_whatever_was_estimated(tmp_path: Path) -> None:
     cube("Cup", 1)
     sidecar, _ = baked("Cup", QUICK, tmp_path)
-    assert is_finished("Cup", replace(QUICK, texels=7), tmp_path)
-    assert not is_finished("Cup", replace(QUICK, density=33), tmp_path)
+    assert BakeFolder("Cup", replace(QUICK, texels=7), tmp_path).is_finished()
+    assert not BakeFolder("Cup", replace(QUICK, density=33), tmp_path).is_finished()
     longer = max(sidecar.width, sidecar.height)
-    assert not is_finished("Cup", replace(QUICK, density=None, texels=longer), tmp_path)
+    assert not BakeFolder("Cup", replace(QUICK, density=None, texels=longer), tmp_path).is_finished()
 
 
 def test_a_farm_has_the_texels_of_the_unwrap(tmp_path: Path) -> None:

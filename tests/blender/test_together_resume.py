@@ -20,8 +20,8 @@ from radtex_addon.formats.sample_counts import read_counts
 from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.job import bake_object, bake_steps, part_specs
 from radtex_addon.job.bake_plan import BakePlan, plan_bakes, preflight
-from radtex_addon.job.existing_bakes import is_finished
 from radtex_addon.job.variants import bakes_to_resume, skipped_warning
+from radtex_addon.store.bake_folder import BakeFolder
 from radtex_addon.ui.jobs import estimates, jobs
 from radtex_addon.ui.panel import panel_state
 from radtex_addon.ui.settings.request import request_of, values_of
@@ -124,12 +124,12 @@ def test_the_batch_adds_samples_to_the_unfinished_part_alone_and_says_so(
 )
 def test_finished_ambient_occlusion_is_known(spec: BakeSpec, out: Path) -> None:
     cube("Cube", glow("Red", (1, 0, 0)), 0)
-    assert not is_finished("Cube", spec, out)
+    assert not BakeFolder("Cube", spec, out).is_finished()
     bake_object(context.scene, "Cube", spec, out)
-    assert is_finished("Cube", spec, out)
-    assert not is_finished("Cube", replace(spec, samples=spec.samples + 7), out)
-    assert not is_finished("Cube", replace(spec, ao_distance=0.75), out)
-    assert not is_finished("Cube", replace(spec, bucket=8), out)
+    assert BakeFolder("Cube", spec, out).is_finished()
+    assert not BakeFolder("Cube", replace(spec, samples=spec.samples + 7), out).is_finished()
+    assert not BakeFolder("Cube", replace(spec, ao_distance=0.75), out).is_finished()
+    assert not BakeFolder("Cube", replace(spec, bucket=8), out).is_finished()
 
 
 def test_the_panel_goes_on_with_tiles_once_the_first_is_done(panel: Any, out: Path) -> None:

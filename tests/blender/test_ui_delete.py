@@ -14,8 +14,8 @@ import pytest
 
 from radtex_addon.bake.progress import Stage
 from radtex_addon.job import bake_steps
-from radtex_addon.job.delete_bake import delete_bake, files_of_bakes
 from radtex_addon.preview.swap import is_on
+from radtex_addon.store.output_files import delete_bake, files_of_bakes
 from radtex_addon.ui.operators.delete_operator import told_files
 from radtex_addon.ui.operators.export_sources import export_sources
 from radtex_addon.ui.settings.request import spec_of, values_of

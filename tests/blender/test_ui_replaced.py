@@ -17,9 +17,8 @@ import pytest
 
 from radtex_addon.core.sampler import Filter
 from radtex_addon.job import bake_object
-from radtex_addon.job.bake_folders import UNSAVED
 from radtex_addon.job.bake_plan import plan_bakes
-from radtex_addon.job.replaced_bake import Overwrite
+from radtex_addon.store.ownership import UNSAVED, Overwrite
 from radtex_addon.ui.jobs import jobs
 from radtex_addon.ui.jobs.job_files import Fate, fate
 from radtex_addon.ui.operators.bake_lookup import sidecar_of

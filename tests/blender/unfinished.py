@@ -7,7 +7,7 @@ from __future__ import annotations
 import shutil
 from pathlib import Path
 
-from radtex_addon.bake.key import KEY
+from radtex_addon.store.checkpoint_files import KEY
 
 
 def take_pieces(out: Path) -> bool:

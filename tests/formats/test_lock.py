@@ -15,12 +15,11 @@ from pathlib import Path
 
 import pytest
 
-from radtex_addon.bake.checkpoint import Checkpoint
-from radtex_addon.bake.key import LOCK, check_free
 from radtex_addon.core.errors import BakeError, InputError
-from radtex_addon.formats.disk.hidden_folder import hidden_folder
 from radtex_addon.formats.disk.lock import HeldError, NoLockError, holder, take_lock
-from radtex_addon.formats.disk.temporary import PREFIX, temporary_folder
+from radtex_addon.formats.disk.temporary import PREFIX, hidden_folder, temporary_folder
+from radtex_addon.store.checkpoint import Checkpoint, check_free
+from radtex_addon.store.checkpoint_files import LOCK
 
 _ROOT = Path(__file__).parents[2]
 _HOLD = (
@@ -167,7 +166,7 @@ def test_a_place_that_takes_nothing_is_named(temporary: Path, monkeypatch: pytes
 def in_a_process(folder: Path, then: str) -> subprocess.Popen[str]:
     """One that has a hidden folder in `folder`, says so, and does something."""
     script = (
-        "import os, pathlib, sys; from radtex_addon.formats.disk.hidden_folder import hidden_folder\n"
+        "import os, pathlib, sys; from radtex_addon.formats.disk.temporary import hidden_folder\n"
         "with hidden_folder(pathlib.Path(sys.argv[1])) as made:\n"
         "    (made / 'half').write_text('half'); made.with_suffix('.new').mkdir()\n"
         f"    print('there', flush=True); {then}"

@@ -15,9 +15,9 @@ from types import FrameType
 import numpy as np
 import pytest
 
-from radtex_addon.bake.checkpoint import Checkpoint
 from radtex_addon.core.errors import BakeError, FormatError, RadTexError
 from radtex_addon.formats.disk.regular import MOST_TEXT, open_regular, other_kind, read_regular
+from radtex_addon.store.checkpoint import Checkpoint
 from tests.fuzz.corpus import FACTS, make_corpus
 from tests.fuzz.readers import READERS
 

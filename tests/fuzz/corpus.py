@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 import OpenEXR
 
-from radtex_addon.bake.checkpoint import Checkpoint
 from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.bake.spec_facts import facts_of
 from radtex_addon.core.arrays import Floats
@@ -28,11 +27,12 @@ from radtex_addon.formats.containers.exr import Compression, write_atlas
 from radtex_addon.formats.containers.glb import Glb
 from radtex_addon.formats.containers.ktx2 import write_ktx2
 from radtex_addon.formats.containers.texture import ENCODED, PixelFormat, encode_texture
-from radtex_addon.formats.disk.file_digest import digest
+from radtex_addon.formats.disk.regular import digest
 from radtex_addon.formats.shadow_files import write_shadow
 from radtex_addon.formats.sidecar import Content, Part, Sidecar, Source, write_sidecar
 from radtex_addon.formats.transfer_files import TransferSidecar, write_transfer
 from radtex_addon.forms.layered.files.layered_files import write_layered
+from radtex_addon.store.checkpoint import Checkpoint
 from radtex_addon.textures.entry import Arranged, Container, TextureEntry
 from tests.layered.made_up import made_up_atlas
 from tests.layered_lookups import everything

@@ -16,8 +16,6 @@ from functools import partial
 from itertools import islice
 from pathlib import Path
 
-from radtex_addon.bake.checkpoint import Checkpoint
-from radtex_addon.bake.key import KEY, replaced_by
 from radtex_addon.bake.progress import finished
 from radtex_addon.core.errors import BakeError, FormatError, InputError, RadTexError
 from radtex_addon.export.export_manifest import read_manifest
@@ -41,7 +39,7 @@ from radtex_addon.formats.containers.glb import Glb
 from radtex_addon.formats.containers.ktx2 import read_ktx2
 from radtex_addon.formats.containers.texture import ENCODED, Texture, decode_texture
 from radtex_addon.formats.containers.unit_blocks import CHANNELS, decode_units
-from radtex_addon.formats.disk.file_digest import digest
+from radtex_addon.formats.disk.regular import digest
 from radtex_addon.formats.sample_counts import read_counts
 from radtex_addon.formats.shadow_files import read_shadow, visible_buckets
 from radtex_addon.formats.sidecar import preview_path, read_sidecar
@@ -49,6 +47,8 @@ from radtex_addon.formats.sidecar_file import read_facts
 from radtex_addon.formats.transfer_files import read_transfer, read_transfer_sidecar
 from radtex_addon.forms.layered.files.layered_files import read_layered, read_layered_sidecar
 from radtex_addon.forms.layered.signature import own_texels
+from radtex_addon.store.checkpoint import Checkpoint, replaced_by
+from radtex_addon.store.checkpoint_files import KEY
 
 from .corpus import FACTS, PAINTED
 from .mutate import Mutator

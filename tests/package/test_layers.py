@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Imports point one way.
 
-core <- formats <- bake <- scene <- cycles <- preview, textures, prepare <- forms <- export <- job
-<- report, farm <- worker <- ui, cli.
+core <- formats <- bake <- scene <- cycles <- preview, textures, prepare <- forms <- export <- store
+<- job <- report, farm <- worker <- ui, cli.
 """
 
 from __future__ import annotations
@@ -31,6 +31,7 @@ ORDER = [
     {"preview", "textures", "prepare"},
     {"forms"},
     {"export"},
+    {"store"},
     {"job"},
     {"report", "farm"},
     {"worker"},
@@ -151,6 +152,17 @@ def test_a_trespass_is_seen(module: tuple[str, ...], source: str) -> None:
 def test_what_a_module_may_import_is_no_trespass(module: tuple[str, ...], source: str) -> None:
     assert set(MODULES) >= OUTSIDE
     assert not trespasses(module, source)
+
+
+def test_what_lies_in_a_bakes_folder_is_asked_of_its_owner() -> None:
+    """`store/bake_folder.py`; the format of pieces is also that of a farm's frames."""
+    inside = {("", "store", "checkpoint"), ("", "store", "checkpoint_files")}
+    found = {
+        "/".join(module)
+        for module in MODULES
+        if module[0] != "store" and any(name[:3] in inside for name in imports(module, source_of(module)))
+    }
+    assert found == {"farm/farm_manifest"}
 
 
 def test_no_modules_import_each_other() -> None:

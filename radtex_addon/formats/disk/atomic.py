@@ -20,8 +20,8 @@ from pathlib import Path
 
 from ...core.errors import BakeError, InputError, RadTexError
 from ...core.messages import Setting, do
-from .hidden_folder import LOCK, hidden_folder, mark_of
 from .path_checks import nearest_folder
+from .temporary import LOCK, hidden_folder, mark_of
 
 _BESIDE = re.compile(r"\.radtex-\d+-[0-9a-f]{16}")  # the temporary names of `replacing`
 _REASONS = [os.strerror(code) for code in (errno.ENOSPC, errno.EROFS, errno.EACCES, errno.EPERM, errno.EIO)]

@@ -8,11 +8,13 @@ A pipe (FIFO) could block for ever, a device may have no end, and a sparse file 
 from __future__ import annotations
 
 import errno
+import hashlib
 import os
 import stat
 from io import BufferedReader
 from pathlib import Path
 
+from ...core.errors import FormatError
 from .memory import readable_size
 
 MOST_TEXT = 64 << 20  # bytes of a sidecar, a manifest or another text; nearly all have a few thousand
@@ -67,6 +69,15 @@ def read_regular(path: Path, most: int = MOST_TEXT) -> bytes:
         said = f"it has {readable_size(size)}, and nothing of its kind more than {readable_size(most)}"
         raise OSError(errno.EFBIG, said, str(path))
     return data
+
+
+def digest(path: Path) -> str:
+    """A file's SHA-256 in hexadecimal digits. Raises FormatError, with the path, if it cannot be read."""
+    try:
+        with open_regular(path) as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
+    except OSError as error:
+        raise FormatError(f"{path} cannot be read: {error.strerror or error}") from error
 
 
 def _refuse(path: Path, found: os.stat_result) -> None:

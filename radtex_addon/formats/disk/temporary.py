@@ -1,13 +1,17 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Temporary folders; each process also removes those that killed processes left."""
+"""Temporary folders, and hidden ones beside the output, on the same disk.
+
+Each has a file that its process locks; other processes remove the folders that killed ones left.
+"""
 
 from __future__ import annotations
 
 import os
+import secrets
 import shutil
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -15,9 +19,10 @@ from ...core.errors import BakeError, InputError
 from .lock import HeldError, Lock, take_lock
 from .path_checks import check_rendered_into, one_root
 
+LOCK = "lock"  # a file in the folder, locked by the process that owns the folder
 PREFIX = "radtex-temporary-"
-_LOCK = "lock"  # a file in the folder, locked by the process that owns the folder
-_open: set[Path] = set()  # this process's
+_HIDDEN = ".folder"  # the suffix of a hidden one
+_open: set[Path] = set()  # this process's temporary folders
 
 
 @contextmanager
@@ -31,9 +36,9 @@ def temporary_folder() -> Iterator[Path]:
         check_rendered_into(root)
     except InputError as error:
         raise InputError(f"the folder for temporary files, {error}, by TMPDIR") from error
-    _remove_left(root)
+    _remove_left(root, f"{PREFIX}*")
     try:
-        folder, lock = _make(root)
+        folder, lock = _make(lambda: Path(tempfile.mkdtemp(prefix=PREFIX, dir=root)))
     except OSError as error:
         raise BakeError(
             f"{root} takes no temporary files: {error.strerror or error}; free its disk, or name another "
@@ -44,8 +49,7 @@ def temporary_folder() -> Iterator[Path]:
         yield folder
     finally:
         _open.discard(folder)
-        lock.release()
-        shutil.rmtree(folder, ignore_errors=True)
+        _remove(folder, lock)
 
 
 def remove_open() -> None:
@@ -54,11 +58,39 @@ def remove_open() -> None:
         shutil.rmtree(folder, ignore_errors=True)
 
 
-def _make(root: Path) -> tuple[Path, Lock]:
+def mark_of(pid: int) -> str:
+    """The prefix of the names of unfinished files and folders of the process `pid`."""
+    return f".radtex-{pid}-"
+
+
+@contextmanager
+def hidden_folder(parent: Path) -> Iterator[Path]:
+    """Yield a new hidden folder in `parent`, which is created if needed; the new folder is removed at exit.
+
+    It contains the file LOCK. Folders beside it with the same stem and other suffixes are removed with it.
+    Folders that dead processes left in `parent` are removed first. Raises OSError where the system refuses.
+    """
+
+    def made() -> Path:
+        folder = parent / f"{mark_of(os.getpid())}{secrets.token_hex(8)}{_HIDDEN}"
+        folder.mkdir()
+        return folder
+
+    parent.mkdir(parents=True, exist_ok=True)
+    _remove_left(parent, f".radtex-*{_HIDDEN}")
+    folder, lock = _make(made)
+    try:
+        yield folder
+    finally:
+        _remove(folder, lock)
+
+
+def _make(made: Callable[[], Path]) -> tuple[Path, Lock]:
+    """A folder that was just `made`, and the lock in it. Raises OSError."""
     while True:
-        folder = Path(tempfile.mkdtemp(prefix=PREFIX, dir=root))
+        folder = made()
         try:
-            return folder, take_lock(folder / _LOCK)
+            return folder, take_lock(folder / LOCK)
         except (HeldError, FileNotFoundError):  # another process took or removed it before
             continue
         except OSError:
@@ -66,16 +98,26 @@ def _make(root: Path) -> tuple[Path, Lock]:
             raise
 
 
-def _remove_left(root: Path) -> None:
-    """Remove the folders of processes that have ended."""
-    for folder in root.glob(f"{PREFIX}*"):
+def _remove_left(root: Path, names: str) -> None:
+    """Remove the folders with such names of processes that have ended."""
+    for folder in root.glob(names):
         with suppress(OSError, HeldError):
             if not _is_own(folder):
                 continue
-            lock = take_lock(folder / _LOCK)
+            lock = take_lock(folder / LOCK)
             if lock.is_sure:
-                shutil.rmtree(folder, ignore_errors=True)
+                _remove(folder, lock)
             lock.release()
+
+
+def _remove(folder: Path, lock: Lock) -> None:
+    """Remove the folder last: if this process is killed before that, another one can find and remove it."""
+    if folder.suffix == _HIDDEN:
+        for path in folder.parent.glob(f"{folder.stem}.*"):
+            if path != folder:
+                shutil.rmtree(path, ignore_errors=True)
+    lock.release()
+    shutil.rmtree(folder, ignore_errors=True)
 
 
 def _is_own(folder: Path) -> bool:

@@ -131,8 +131,8 @@ def bake_location(scene: bpy.types.Scene, bake: str, name: str = "") -> Path:
 
 def _where_found(place: Path, former: Path, name: str) -> Path:
     """The folder `former` if it has a bake of the object, or any if that is empty, and `place` has not."""
-    from ...job.bake_folders import open_blend
     from ...report.shown import has_bakes
+    from ...store.ownership import open_blend
 
     names, blend = [name] if name else [], open_blend()
     return place if has_bakes(place, names, blend) or not has_bakes(former, names, blend) else former

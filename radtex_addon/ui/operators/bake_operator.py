@@ -274,16 +274,12 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
 
 def questions(plans: Sequence[BakePlan]) -> tuple[str, ...]:
     """What to ask before these bakes are made: each names a bake that is there, and the new one."""
-    from ...job.output_files import OutputFiles
-    from ...job.replaced_bake import reasons_to_ask
-
     asked = []
     for plan in plans:
         for name, spec in plan.replaced:
             course = plan.course_of((name, spec))
-            files = OutputFiles.of(name, spec, plan.request.folder, plan.request.saves_preview)
             if not course.resume and (course.overwrite or spec.accumulate or spec.refresh):
-                found = reasons_to_ask(spec, files, course.overwrite)
+                found = plan.request.place((name, spec)).reasons_to_ask(course.overwrite)
                 asked += [remark(reason, plan.request.folder) for reason in found]
     return tuple(asked)
 

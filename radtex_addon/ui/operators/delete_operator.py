@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from bpy.stub_internal.rna_enums import OperatorReturnItems
 
     from ...export.exporting import ExportSource
-    from ...job.delete_bake import BakeFiles
+    from ...store.output_files import BakeFiles
 
 _MOST = 12  # files that are listed by name
 
@@ -71,7 +71,7 @@ class RADTEX_OT_delete_bake(OfBake, bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
         from ...core.errors import InputError, RadTexError
-        from ...job.delete_bake import delete_bake
+        from ...store.output_files import delete_bake
 
         scene, layer = shown(context)
         try:
@@ -101,7 +101,7 @@ class RADTEX_OT_delete_bake(OfBake, bpy.types.Operator):
         Raises RadTexError if none has, and for bakes that are being made or exported, or are not finished.
         """
         from ...core.errors import InputError, RadTexError
-        from ...job.delete_bake import files_of_bakes
+        from ...store.output_files import files_of_bakes
 
         sources: list[ExportSource] = []
         errors: list[RadTexError] = []

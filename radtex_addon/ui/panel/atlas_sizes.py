@@ -47,9 +47,9 @@ def _baked(name: str, spec: BakeSpec, folder: Path) -> tuple[int, int] | None:
     from ...core.errors import FormatError
     from ...formats.sidecar import density_in
     from ...formats.sidecar_file import read_facts
-    from ...job.output_files import OutputFiles
+    from ...store.output_files import OutputFiles
 
-    sidecar = OutputFiles.of(name, spec, folder, preview=False).sidecar
+    sidecar = OutputFiles.of(name, spec, folder).sidecar
     if not sidecar.is_file():
         return None
     try:

@@ -11,16 +11,14 @@ from typing import Any
 
 import bpy
 
-from ...bake.key import is_unfinished
 from ...core.errors import InputError
 from ...core.messages import Setting, do
 from ...job.bake_plan import BakePlan, plan_bakes, preflight
 from ...job.bake_request import BakeRequest
-from ...job.existing_bakes import is_finished
 from ...job.left_out import Found, LeftOut, find_bakeable
-from ...job.output_files import OutputFiles
 from ...job.preflight import Preflight
 from ...preview.swap import is_on
+from ...store.bake_folder import State
 from ..settings.bake_settings import BakeSettings
 from ..settings.object_settings import by_settings
 from ..settings.request import spec_of, values_of
@@ -105,8 +103,7 @@ def files_there(scene: bpy.types.Scene, request: BakeRequest) -> FilesThere:
         bakes = plan_bakes(scene, request, guess=True).wanted
     except InputError:
         return FilesThere()
-    files = [OutputFiles.of(name, spec, request.folder, request.saves_preview) for name, spec in bakes]
-    unfinished = [is_unfinished(one.unfinished) for one in files]
-    finished = [one.sidecar.is_file() and not begun for one, begun in zip(files, unfinished, strict=True)]
-    done = sum(is_finished(name, spec, request.folder) for name, spec in bakes)
-    return FilesThere(len(bakes), sum(finished), sum(unfinished), done)
+    there = [request.place(bake) for bake in bakes]
+    states = [one.state for one in there]
+    done = sum(one.is_finished() for one in there)
+    return FilesThere(len(bakes), states.count(State.FINISHED), states.count(State.UNFINISHED), done)

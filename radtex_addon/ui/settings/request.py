@@ -20,10 +20,10 @@ from ...bake.spec import BakeSpec, Layer, parse_kind, parse_layout
 from ...core.errors import InputError
 from ...core.sampler import Filter
 from ...job import OpenLayout
-from ...job.bake_folders import blend_folder_name, former_folder, open_blend
 from ...job.bake_request import BakeRequest
 from ...scene.lights.lamps import EACH
 from ...scene.proxy_content import EVERYTHING
+from ...store.ownership import blend_folder_name, former_folder, open_blend
 from ...textures.export_spec import Target
 from .bake_settings import NAMES, BakeSettings, suited_bucket
 from .preferences import preferred

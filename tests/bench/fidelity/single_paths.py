@@ -14,7 +14,7 @@ import numpy as np
 
 from radtex_addon.bake.kinds import Kind
 from radtex_addon.bake.light_samples import EndSamples, LightSamples, mirrored, spread_shifts
-from radtex_addon.bake.pieces import Arrays
+from radtex_addon.bake.piece_store import Arrays
 from radtex_addon.bake.plan import CapturePlan, Tile, plan_capture
 from radtex_addon.bake.progress import Progress, Stage, relayed
 from radtex_addon.bake.rays import PROBE_CELLS, PROBES

@@ -15,8 +15,7 @@ import bpy
 import numpy as np
 
 from ....bake.light_samples import EndSamples, LightSamples
-from ....bake.piece_store import NO_STORE, PieceStore
-from ....bake.pieces import Arrays
+from ....bake.piece_store import NO_STORE, Arrays, PieceStore
 from ....bake.plan import CapturePlan, plan_capture
 from ....bake.progress import Progress, Stage, relayed
 from ....bake.rays import PROBE_CELLS, PROBES, LayeredRays, coarser, finer

@@ -12,8 +12,7 @@ import bpy
 import numpy as np
 
 from ....bake.light_samples import EndSamples, LightSamples
-from ....bake.piece_store import NO_STORE, PieceStore
-from ....bake.pieces import Arrays
+from ....bake.piece_store import NO_STORE, Arrays, PieceStore
 from ....bake.plan import CapturePlan
 from ....core.arrays import Floats, Ints
 from ....core.bilinear import bilinear

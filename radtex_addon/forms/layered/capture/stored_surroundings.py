@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....bake.pieces import Arrays
+from ....bake.piece_store import Arrays
 from ....core.arrays import Floats
 from ..lookup.environment import Around, Impostor, Lamp, Layer, Pictures, Plane
 

@@ -1,32 +1,61 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a bake would replace: whether it is an earlier bake of the same thing, and no better one.
+"""Whose a bake is, and what may replace it: the .blend that it is of, its object, and how good it is.
 
-A bake of another object, part, frame or lamps is never replaced, though its file has the same name. One that
-is better, or of another .blend, is replaced only if that is asked for.
+Each .blend has a folder for its bakes. A bake of another object, part, frame or lamps is never replaced,
+though its file has the same name. One that is better, or of another .blend, is replaced only if that is asked
+for.
 """
 
 from __future__ import annotations
 
+import math
+import re
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
+
+import bpy
 
 from ..bake.bake_title import bake_title, variant_title
-from ..bake.key import known_key
+from ..bake.options import MARKED
 from ..bake.quality import Quality
-from ..bake.spec import BakeSpec, Split
+from ..bake.spec import BakeSpec
 from ..core.errors import FormatError, InputError
-from ..core.messages import Remedy, Setting, do
+from ..core.messages import Setting, do
 from ..formats.json_reader import Facts
-from ..formats.sidecar import blend_in, part_in, preview_path
+from ..formats.sidecar import blend_in, density_in, part_in, safe_name
 from ..formats.sidecar_file import read_facts
-from .bake_folders import open_blend, own_folder
-from .output_files import OutputFiles
+from .checkpoint_files import known_key
+from .output_files import OutputFiles, others_with_preview
 
-_ELSEWHERE = do("choose another folder", Setting.OUT)
+FOLDER = "radtex"  # beside the .blend; also where bakes of a scene that is in no file go
+UNSAVED = Path()  # the path of a .blend that was never saved
+ELSEWHERE = do("choose another folder", Setting.OUT)
 _RENAME = do("rename one of them")
-_ALL_THE_SAME = do("replace it all the same", Setting.OVERWRITE_ANY)
+
+
+def open_blend() -> Path:
+    """The path of the open .blend; `UNSAVED` if it was never saved."""
+    return Path(bpy.data.filepath) if bpy.data.filepath else UNSAVED
+
+
+def blend_folder_name(blend: Path) -> str:
+    """The name of a .blend's own folder of bakes: its own name, without .blend."""
+    return safe_name(re.sub(r"\.blend$", "", blend.name, flags=re.IGNORECASE))
+
+
+def own_folder(blend: Path) -> Path:
+    """Where the bakes of a .blend go unless another folder is chosen: `radtex/NAME` beside it."""
+    if not blend.name:
+        return Path(FOLDER)
+    return blend.parent / FOLDER / blend_folder_name(blend)
+
+
+def former_folder(blend: Path) -> Path:
+    """Where the bakes of all files of the folder lay in versions before each had its own."""
+    return blend.parent / FOLDER
 
 
 @dataclass(frozen=True)
@@ -34,7 +63,7 @@ class Overwrite:
     """Whether a bake may replace files; true if it may replace an earlier bake of the same thing.
 
     With `any`, too, it may replace a better one, and one of another .blend. `blend` is the path of the file
-    that the scene is of, `bake_folders.UNSAVED` for none. `passes` of as many samples are made in all.
+    that the scene is of, `UNSAVED` for none. `passes` of as many samples are made in all.
     """
 
     earlier: bool = False
@@ -81,9 +110,9 @@ class _Subject:
     def is_of_same(self, other: _Subject) -> bool:
         """Whether both are bakes of the same thing: an atlas may have got or lost some of its objects."""
         same_objects = bool(self.shared & other.shared) if self.shared and other.shared else True
-        shares = bool(self.shared) == bool(other.shared)
         rest = (self.name, self.part, self.frame, self.lights)
-        return shares and same_objects and rest == (other.name, other.part, other.frame, other.lights)
+        others = (other.name, other.part, other.frame, other.lights)
+        return bool(self.shared) == bool(other.shared) and same_objects and rest == others
 
     def is_of_same_object(self, other: _Subject) -> bool:
         """As `is_of_same`, whatever the parts, frames and lamps."""
@@ -103,30 +132,19 @@ def check_same_subject(name: str, spec: BakeSpec, files: OutputFiles) -> None:
     Files that cannot be read count as none. Raises InputError.
     """
     wanted = _Subject.of_spec(name, spec)
-    there = _subject_at(files.sidecar)
-    if there is not None and not there.is_of_same(wanted):
-        raise _of_another(files.sidecar, there, wanted)
+    with suppress(FormatError):
+        there = _Subject.in_facts(read_facts(files.sidecar))
+        if not there.is_of_same(wanted):
+            raise InputError(f"{files.sidecar} is a bake of {there}, not of {wanted}", _RENAME, ELSEWHERE)
     _check_unfinished(files.unfinished, wanted, spec)
     if files.preview is None or not files.preview.exists():
         return
-    for sidecar, other in _others_with_preview(files):
-        if not other.is_of_same_object(wanted):
-            raise InputError(
-                f"{files.preview} is the preview of {other} ({sidecar.name}), not of {wanted}",
-                _RENAME,
-                _ELSEWHERE,
-            )
-
-
-def check_replaces_no_better(spec: BakeSpec, files: OutputFiles, overwrite: Overwrite) -> None:
-    """Make sure that what is replaced is no better bake, and none of another .blend.
-
-    Raises InputError, which says how to do it nevertheless.
-    """
-    if overwrite.any:
-        return
-    if reasons := reasons_to_ask(spec, files, overwrite):
-        raise InputError("; and ".join(reasons), _ALL_THE_SAME, _ELSEWHERE)
+    for sidecar, facts in others_with_preview(files.sidecar, files.preview).items():
+        with suppress(FormatError):
+            other = wanted if facts is None else _Subject.in_facts(facts)
+            if not other.is_of_same_object(wanted):
+                said = f"{files.preview} is the preview of {other} ({sidecar.name}), not of {wanted}"
+                raise InputError(said, _RENAME, ELSEWHERE)
 
 
 def reasons_to_ask(spec: BakeSpec, files: OutputFiles, overwrite: Overwrite) -> tuple[str, ...]:
@@ -147,6 +165,15 @@ def reasons_to_ask(spec: BakeSpec, files: OutputFiles, overwrite: Overwrite) -> 
     return tuple(found)
 
 
+def is_of_blend(sidecar: Path, blend: Path) -> bool:
+    """Whether a finished bake may belong to a .blend: its sidecar names that, or none."""
+    try:
+        recorded = blend_in(read_facts(sidecar))
+    except FormatError:
+        return False
+    return not recorded or not _is_of_another(recorded, blend, sidecar.parent)
+
+
 def _is_of_another(recorded: str, blend: Path, folder: Path) -> bool:
     """Whether a bake in `folder` whose sidecar names the file `recorded` belongs to another than `blend`.
 
@@ -160,15 +187,6 @@ def _is_of_another(recorded: str, blend: Path, folder: Path) -> bool:
     return not own or blend.with_name(recorded).exists()
 
 
-def is_of_blend(sidecar: Path, blend: Path) -> bool:
-    """Whether a finished bake may belong to a .blend: its sidecar names that, or none."""
-    try:
-        recorded = blend_in(read_facts(sidecar))
-    except FormatError:
-        return False
-    return not recorded or not _is_of_another(recorded, blend, sidecar.parent)
-
-
 def _blend_at(files: OutputFiles) -> str:
     """The name of the .blend whose bake is there, finished or not; empty if that is not known."""
     with suppress(FormatError):
@@ -178,47 +196,46 @@ def _blend_at(files: OutputFiles) -> str:
     return "" if key is None else key.blend
 
 
-def _subject_at(sidecar: Path) -> _Subject | None:
-    try:
-        return _Subject.in_facts(read_facts(sidecar))
-    except FormatError:
-        return None
-
-
 def _check_unfinished(folder: Path, wanted: _Subject, spec: BakeSpec) -> None:
     """Raise InputError if the folder holds pieces of a bake of another object, part or lamps."""
     key = known_key(folder)
     if key is None:
         return
-    facts = key.facts
     asked = {
         "object": wanted.name,
         "split": str(spec.split),
         "part": str(spec.part),
         "lamps that are lit": str(spec.lights),
     }
-    if differing := [key for key, value in asked.items() if facts.get(key, value) != value]:
-        other = ", ".join(f"{key} {facts[key]}" for key in dict.fromkeys(("object", *differing)))
-        raise InputError(f"{folder} is of another bake ({other}), not of {wanted}", _RENAME, _ELSEWHERE)
+    if differing := [name for name, value in asked.items() if key.facts.get(name, value) != value]:
+        other = ", ".join(f"{name} {key.facts[name]}" for name in dict.fromkeys(("object", *differing)))
+        raise InputError(f"{folder} is of another bake ({other}), not of {wanted}", _RENAME, ELSEWHERE)
 
 
-def _others_with_preview(files: OutputFiles) -> list[tuple[Path, _Subject]]:
-    """Other bakes in the folder whose preview is the same file, and what they are of."""
-    found = []
-    assert files.preview is not None  # only called with one
-    stem = files.preview.name.removesuffix(".preview.blend")
-    for split in Split:
-        stem = stem.removesuffix(f".{split}")
-    for path in sorted(files.sidecar.parent.glob("*.json")):
-        if path == files.sidecar or not path.name.startswith(f"{stem}."):
-            continue
-        with suppress(FormatError):
-            facts = read_facts(path)
-            if preview_path(path, facts.text("kind"), part_in(facts)) == files.preview:
-                found.append((path, _Subject.in_facts(facts)))
-    return found
+def is_of_spec(facts: Facts, name: str, spec: BakeSpec) -> bool:
+    """Whether a sidecar's facts are of the bake called `name`; `Form.is_of` compares the other facts."""
+    part, source = (facts.inner(key).values if key in facts.values else {} for key in ("part", "source"))
+    asked: dict[str, Any] = {
+        "object": name,
+        "frame": spec.frame,
+        "lights": list(spec.lights) or None,
+        "seed": spec.seed,
+        "objects": list(spec.objects) or None,
+        "ao_distance": spec.ao_distance,
+        **{name: name in spec.marks or None for name in MARKED},
+    }
+    if spec.uv_layer is not None:
+        asked["uv_map"] = spec.uv_layer
+    same = all(facts.values.get(key) == value for key, value in asked.items())
+    same = same and (part.get("by"), part.get("name")) == (spec.split, spec.part)
+    return same and source.get("object") == spec.source and _has_size(facts, spec)
 
 
-def _of_another(path: Path, there: _Subject, wanted: _Subject) -> InputError:
-    remedies: tuple[Remedy, ...] = (_RENAME, _ELSEWHERE)
-    return InputError(f"{path} is a bake of {there}, not of {wanted}", *remedies)
+def _has_size(facts: Facts, spec: BakeSpec) -> bool:
+    """Whether the atlas has the density that is asked for, or was baked without one and has the texels."""
+    density = density_in(facts)
+    if density is not None or spec.density is not None:
+        if density is None or spec.density is None:
+            return False
+        return math.isclose(density.asked, spec.density, rel_tol=1e-6)  # the panel's is a float32
+    return max(facts.size("texels")) == spec.texels

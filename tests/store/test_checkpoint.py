@@ -15,15 +15,28 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from radtex_addon.bake.announce import announce, publish_earlier
-from radtex_addon.bake.checkpoint import Checkpoint, remove_left
-from radtex_addon.bake.key import KEY, LOCK, Key, check_free, is_unfinished, read_key, replaced_by, write_key
-from radtex_addon.bake.piece_format import PIECE_FORMAT
 from radtex_addon.bake.plan import CapturePlan, Tile, plan_capture
 from radtex_addon.bake.progress import Progress, Stage, finished
 from radtex_addon.bake.session import fill_atlas
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import BakeError, InputError
+from radtex_addon.store.checkpoint import (
+    Checkpoint,
+    announce,
+    check_free,
+    publish_earlier,
+    remove_left,
+    replaced_by,
+)
+from radtex_addon.store.checkpoint_files import (
+    KEY,
+    LOCK,
+    PIECE_FORMAT,
+    Key,
+    is_unfinished,
+    read_key,
+    write_key,
+)
 from tests.bake.test_session import card, telltale
 from tests.reference.analytic import AnalyticCapture
 
@@ -158,7 +171,7 @@ def test_pieces_of_another_format_are_not_taken_and_stay(
     kept = {path.name: path.read_bytes() for path in folder.iterdir()}
     now = f'"pieces": {PIECE_FORMAT}'
     with monkeypatch.context() as later:
-        later.setattr("radtex_addon.bake.piece_format.PIECE_FORMAT", 77)
+        later.setattr("radtex_addon.store.checkpoint_files.PIECE_FORMAT", 77)
         with pytest.raises(InputError, match=r"pieces of format \d+, .*of format 77: .*, or begin anew"):
             begun(folder, resume=True)
         (folder / KEY).write_text((folder / KEY).read_text().replace(now, '"pieces": 77'))
@@ -354,7 +367,7 @@ def test_who_begins_anew_finds_the_earlier_files_together(folder: Path) -> None:
     with both(folder) as checkpoint:
         written(checkpoint, folder)
         write_key(folder, Key(FACTS, sorted(WHOLE), [], {"paths": 3}))  # all is written, nothing is moved
-        checkpoint._made = {}  # and there it dies
+        checkpoint.made = {}  # and there it dies
     publish_earlier(folder)
     assert outside(folder) == WHOLE
     assert read_key(folder).made == {"paths": 3}
