@@ -12,10 +12,10 @@ import bpy
 
 from ..core.errors import BakeError, InputError
 from ..preview.save import images_of
+from ..scene.digests import Looks, looks_of
 from .farm_files import FarmFiles
 from .farm_manifest import Manifest
 from .freeze_scene import Held, hold_still, read_cached
-from .render_digests import Looks, looks_of
 from .self_contained import Packed, make_local, pack_files
 from .sheets import animate_sheets, portal_tree, without_extras
 

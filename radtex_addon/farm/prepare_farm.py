@@ -34,6 +34,7 @@ from ..job.output_files import OutputFiles
 from ..job.replaced_bake import Overwrite
 from ..job.split_parts import check_part
 from ..scene.at_frame import at_frame
+from ..scene.digests import Looks
 from ..scene.scratch import new_data_removed
 from .blend import check_images_saved, finish_blend, save_draft
 from .carried import Carried
@@ -41,7 +42,6 @@ from .farm_files import FarmFiles
 from .farm_manifest import Copies, Manifest, check_farmable, check_frame_count, write_plan
 from .farm_progress import AnyStep, Step, Task
 from .freeze_scene import Held, check_holdable
-from .render_digests import Looks
 from .sheets import check_seed
 from .templates import write_templates
 

@@ -16,7 +16,7 @@ from ..bake.spec import BakeSpec
 from ..core.arrays import Floats, Ints
 from ..core.surface import SurfaceMesh
 from ..core.texel_map import TexelMap
-from ..scene.digests import array_digest, matrix_digest, mesh_digest
+from ..scene.geometry_digests import array_digest, matrix_digest, mesh_digest
 from ..scene.mesh.cage import find_cage, rays_from_cage, read_cage
 from ..scene.mesh.evaluated import EvaluatedMesh, evaluate
 from ..scene.mesh.source_hits import SourceHits, default_extrusion, find_source, project_to_source

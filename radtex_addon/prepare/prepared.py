@@ -36,7 +36,8 @@ from ..core.uv_map import UvMap
 from ..cycles.find_hidden import find_hidden
 from ..formats import sidecar
 from ..formats.fingerprint import Fingerprint
-from ..scene.digests import matrix_digest, mesh_digest, scene_digests
+from ..scene.digests import scene_digests
+from ..scene.geometry_digests import matrix_digest, mesh_digest
 from ..scene.mesh.copy import baked_mesh_steps, surface_mesh
 from ..scene.mesh.evaluated import EvaluatedMesh, evaluate
 from ..scene.mesh.mesh_parts import number_parts

@@ -23,7 +23,7 @@ from ..core.errors import InputError
 from ..core.islands import signed_areas, surface_areas, uv_islands, weld
 from ..core.near_digest import is_same
 from ..scene.at_frame import at_frame
-from ..scene.digests import matrix_digest, mesh_digest
+from ..scene.geometry_digests import matrix_digest, mesh_digest
 from ..scene.mesh.backs import with_twins_moved
 from ..scene.mesh.copy import UV_LAYER
 from ..scene.mesh.evaluated import EvaluatedMesh, evaluate

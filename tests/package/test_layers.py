@@ -232,7 +232,7 @@ READERS: dict[str, str] = {
     "export/exporting": "reads a copy of ours",
     "report/views": "places a camera of ours",
     "scene/world_box": "says where things are without a render, those too that viewports hide",
-    "scene/made_of": "reads evaluated objects",
+    "scene/geometry_digests": "reads evaluated objects",
     "scene/mesh/mesh_checks": "what a viewport shows, where it shows the object",
     "scene/mesh/evaluated": "reads the render's depsgraph",
     "scene/mesh/about_area": "an estimate, of the viewport",
