@@ -8,23 +8,18 @@ The first row is the bottom one: KTXorientation is "ru".
 
 from __future__ import annotations
 
-import os
 import struct
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import BinaryIO, NamedTuple
+from typing import NamedTuple
 
-import numpy as np
 import zstandard
 
-from ...core.errors import FormatError, InputError
+from ...core.errors import InputError
 from ...version import VERSION
-from ..codecs.bc7 import Blocks
 from ..disk.atomic import replacing
-from ..disk.memory import check_memory
-from ..disk.regular import open_regular
 from .ktx2_descriptor import descriptor
-from .texture import Encoded, PixelFormat, Texture, blocks_shape, size_misfit
+from .texture import Encoded, PixelFormat
 
 VK_FORMATS = {  # VkFormat
     PixelFormat.RGBA16F: 97,
@@ -51,8 +46,6 @@ _MAGIC = b"\xabKTX 20\xbb\r\n\x1a\n"
 _NONE, _ZSTD = 0, 2  # supercompression schemes
 _EFFORT = 9  # Zstandard's level
 _AT_ONCE = 1 << 25  # bytes: smaller levels are compressed in one piece
-_MOST_IN_A_BYTE = 1 << 15  # highest compression ratio: 4 bytes or more of Zstandard hold 128 KiB at most
-_MOST_KEYS = 1 << 16  # bytes of key/value data that are read
 _ORIENTATION, _UPWARDS = b"KTXorientation", b"ru"
 
 
@@ -149,25 +142,6 @@ def _packed(parts: Iterable[memoryview], size: int) -> Iterator[bytes]:
     yield stream.flush()
 
 
-def read_ktx2(path: Path) -> Texture:
-    """Read a file of `write_ktx2`.
-
-    Raises FormatError, with the path, for a file that is missing, cut short, no KTX2, too large for this
-    machine's memory, or holds anything but a texture as RadTex writes it.
-    """
-    try:
-        with open_regular(path) as file:
-            size = os.fstat(file.fileno()).st_size
-            header, kind = _read_header(path, file)
-            index = _read_index(path, file, header, kind, size)
-            _check_descriptor(path, file, header, kind)
-            _check_orientation(path, file, header)
-            levels = tuple(_read_level(path, file, header, kind, index, level) for level in range(len(index)))
-    except OSError as error:
-        raise FormatError(f"{path} cannot be read: {error.strerror or error}") from error
-    return Texture(kind, header.width, header.height, levels, header.layers > 0)
-
-
 def _key_values(values: dict[bytes, bytes]) -> bytes:
     """Key/value data, sorted by key, each value ended by a NUL, each pair padded to a multiple of 4 bytes."""
     data = b""
@@ -175,96 +149,3 @@ def _key_values(values: dict[bytes, bytes]) -> bytes:
         pair = key + b"\0" + value + b"\0"
         data += struct.pack("<I", len(pair)) + pair + bytes(-len(pair) % 4)
     return data
-
-
-def _read_header(path: Path, file: BinaryIO) -> tuple[_Header, PixelFormat]:
-    head = file.read(_LAYOUT.size)
-    if head[: len(_MAGIC)] != _MAGIC[: len(head)] or not head:
-        raise FormatError(f"{path} is not a KTX2 file")
-    if len(head) < _LAYOUT.size:
-        raise FormatError(f"{path} is cut short: export it again")
-    header = _Header._make(_LAYOUT.unpack(head))
-    kinds = {number: kind for kind, number in VK_FORMATS.items()}
-    if header.vk_format not in kinds:
-        raise FormatError(f"{path} holds VkFormat {header.vk_format}: save it as {', '.join(kinds.values())}")
-    if header.depth or header.faces != 1:
-        raise FormatError(f"{path} is no 2D texture: save it without sides and depth")
-    if header.scheme not in (_NONE, _ZSTD):
-        raise FormatError(f"{path} is packed by scheme {header.scheme}: pack it by Zstandard or not at all")
-    if header.type_size != _TYPE_SIZES[kinds[header.vk_format]] or header.sgd_length:
-        raise FormatError(f"{path} is damaged, its header cannot be read: export it again")
-    if misfit := size_misfit(header.width, header.height, max(1, header.layers), header.levels):
-        raise FormatError(f"{path} has {misfit}")
-    return header, kinds[header.vk_format]
-
-
-def _read_index(path: Path, file: BinaryIO, header: _Header, kind: PixelFormat, size: int) -> list[_Level]:
-    """Read and check the level index of a file of `size` bytes, and that the levels fit into memory."""
-    length = header.levels * _LEVEL_LAYOUT.size
-    data = file.read(length)
-    if len(data) < length:
-        raise FormatError(f"{path} is cut short: export it again")
-    index = [_Level._make(fields) for fields in _LEVEL_LAYOUT.iter_unpack(data)]
-    for number, level in enumerate(index):
-        expected = int(np.prod(_shape(header, kind, number), dtype=np.int64))
-        if level.offset + level.length > size:
-            raise FormatError(f"{path} is cut short: export it again")
-        possible = level.length * _MOST_IN_A_BYTE if header.scheme else level.length
-        packed = header.scheme or level.length == expected
-        if level.unpacked != expected or possible < expected or not packed:
-            raise FormatError(f"{path} is damaged, its level {number} is not of its size: export it again")
-    if max(level.offset + level.length for level in index) != size:
-        raise FormatError(f"{path} has more in it than one texture: export it again")
-    check_memory(str(path), sum(level.length + level.unpacked for level in index))
-    return index
-
-
-def _shape(header: _Header, kind: PixelFormat, level: int) -> tuple[int, int, int, int]:
-    return blocks_shape(kind, header.width, header.height, max(1, header.layers), level)
-
-
-def _check_descriptor(path: Path, file: BinaryIO, header: _Header, kind: PixelFormat) -> None:
-    ours = [descriptor(kind, premultiplied) for premultiplied in (False, True)]
-    file.seek(header.dfd_offset)
-    if header.dfd_length != len(ours[0]) or file.read(len(ours[0])) not in ours:
-        raise FormatError(f"{path} has {kind} that RadTex does not write: export it again")
-
-
-def _check_orientation(path: Path, file: BinaryIO, header: _Header) -> None:
-    file.seek(header.kvd_offset)
-    data = file.read(min(header.kvd_length, _MOST_KEYS))
-    found = dict(_pairs(data)).get(_ORIENTATION, b"rd").rstrip(b"\0")
-    if found != _UPWARDS:
-        shown = found[:8].decode("latin-1")
-        raise FormatError(f'{path} has the orientation {shown!r}, expected "ru", v upwards: export it again')
-
-
-def _pairs(data: bytes) -> Iterator[tuple[bytes, bytes]]:
-    """Keys and values; a truncated last value is cut off."""
-    place = 0
-    while place + 4 <= len(data):
-        (length,) = struct.unpack_from("<I", data, place)
-        key, _, value = data[place + 4 : place + 4 + length].partition(b"\0")
-        yield key, value
-        place += 4 + length + -length % 4
-
-
-def _read_level(
-    path: Path, file: BinaryIO, header: _Header, kind: PixelFormat, index: list[_Level], level: int
-) -> Blocks:
-    file.seek(index[level].offset)
-    data = file.read(index[level].length)
-    if len(data) != index[level].length:
-        raise FormatError(f"{path} was cut short while it was read: export it again")
-    if header.scheme == _ZSTD:
-        data = _unpacked(path, data, index[level].unpacked)
-    return np.frombuffer(data, np.uint8).reshape(_shape(header, kind, level))
-
-
-def _unpacked(path: Path, data: bytes, size: int) -> bytes:
-    try:
-        if zstandard.get_frame_parameters(data).content_size == size:
-            return zstandard.ZstdDecompressor().decompress(data, max_output_size=size)
-    except zstandard.ZstdError as error:
-        raise FormatError(f"{path} is damaged: {error}; export it again") from error
-    raise FormatError(f"{path} is damaged, a level unpacks to another size: export it again")
