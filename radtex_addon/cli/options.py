@@ -14,9 +14,9 @@ from typing import Any, NoReturn
 
 from ..bake.spec import BakeSpec
 from ..bake.spec_checks import MOST_MEMORY
-from ..core.command_lines import quoted
 from ..core.errors import BakeError, InputError, QualityError
 from ..core.messages import do
+from ..core.quoting import quoted
 from ..cycles.device import GPU_TYPES
 from ..formats.disk.path_checks import check_unicode, one_root
 from ..version import VERSION

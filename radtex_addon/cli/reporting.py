@@ -16,7 +16,7 @@ from time import monotonic
 from typing import Any, Protocol
 
 from ..bake.progress import Stage
-from ..core.printable import printable, printable_json
+from ..core.quoting import printable, printable_json
 from ..farm.farm_progress import Task as FarmTask
 from ..report.report_progress import Task
 from ..textures.export_progress import Task as ExportTask

@@ -14,7 +14,7 @@ import bpy
 
 from ..core.errors import FormatError, InputError
 from ..core.messages import Setting, do
-from ..core.printable import printable
+from ..core.quoting import printable
 from ..formats.disk.memory import check_allowed
 from ..formats.file_names import FORBIDDEN, is_plain_stem
 from ..formats.sidecar import Sidecar, preview_path
