@@ -11,8 +11,7 @@ import numpy as np
 
 from .arrays import Floats, Ints
 from .islands import border_edges, signed_areas, surface_areas, triangle_islands, uv_corners, weld
-from .stretch import stretches
-from .surface import SurfaceMesh
+from .surface import SurfaceMesh, stretches
 
 _NOTHING = 1e-30  # areas below count as 0
 

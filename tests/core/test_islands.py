@@ -11,10 +11,10 @@ import pytest
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from radtex_addon.core import edges, islands, sorted_keys
+from radtex_addon.core import islands, sorted_keys, surface
 from radtex_addon.core.arrays import Floats, Ints
 from radtex_addon.core.errors import ShapeError
-from radtex_addon.core.patches import patches
+from radtex_addon.core.surface import patches
 
 LOWER, UPPER = [(0, 0), (1, 0), (1, 1)], [(0, 0), (1, 1), (0, 1)]
 
@@ -171,7 +171,7 @@ def test_edges_pair_each_triangle_with_the_next_one_at_the_edge(monkeypatch: pyt
         for _, some in sorted(at_edge.items())
         for one, other in pairwise(some)
     ]
-    found = edges.inner_edges(vertex)
+    found = surface.inner_edges(vertex)
     assert np.array_equal(np.concatenate([found.starts, found.ends], axis=1), expected)
 
 

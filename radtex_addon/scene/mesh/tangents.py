@@ -16,7 +16,7 @@ import numpy as np
 from ...bake.progress import Progress, Stage, Steps, finished
 from ...core.arrays import Floats, Ints
 from ...core.islands import weld
-from ...core.patches import patches
+from ...core.surface import patches
 
 _ALONE = 10_000  # faces for which Blender uses one thread only
 _LAYER, _NORMAL = "RadTex patch", "custom_normal"
