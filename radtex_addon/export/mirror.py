@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 
 from ..bake.kinds import KINDS, Kind
+from ..core.arrangements import Pages
 from ..core.arrays import Floats
 from ..core.errors import FormatError, InputError
-from ..core.pages import Pages
 from ..core.ray_tree import IN_LEAF, RayTree, build_tree
 from ..core.surface import SurfaceMesh
 from ..formats.containers.texture import PixelFormat, Texture

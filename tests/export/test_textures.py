@@ -11,11 +11,10 @@ import numpy as np
 import pytest
 
 from radtex_addon.bake.layers import Layer
+from radtex_addon.core.arrangements import Pages, padded_layout
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.errors import FormatError, InputError, ShapeError
-from radtex_addon.core.levels import padded_layout
-from radtex_addon.core.pages import Pages
 from radtex_addon.formats.bucket_files import write_buckets
 from radtex_addon.formats.containers.exr import read_atlas, read_buckets, write_atlas
 from radtex_addon.formats.containers.texture import PixelFormat, Texture, decode_texture

@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from radtex_addon.core.arrangements import Pages, fitting_pages
 from radtex_addon.core.arrays import Floats
-from radtex_addon.core.pages import Pages, fitting_pages
 from radtex_addon.core.transfer import with_views
 from tests.lookups import COUNT, LAYOUT, SIDE, relative_error
 from tests.real.godot import RENDERERS, Job, answers

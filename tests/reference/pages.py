@@ -6,10 +6,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from radtex_addon.core.arrangements import Pages, pad
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
-from radtex_addon.core.levels import pad
-from radtex_addon.core.pages import Pages
 from tests.reference.levels import level_chain
 
 
