@@ -6,10 +6,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from .arrays import Bools, Floats, Ints, blocks
+from .arrays import Bools, Floats, Ints, blocks, sorted_ranges
 from .frame import normalised
 from .islands import weld
-from .sorted_keys import sorted_ranges
 from .surface import edge_keys
 
 _NEXT = 3  # triangles at an edge are compared with so many that follow: with all where two meshes coincide

@@ -9,8 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .arrays import Floats, Ints, blocks
-from .sorted_keys import Keys, sorted_ranges
+from .arrays import Floats, Ints, Keys, blocks, sorted_ranges
 
 _NOTHING = 1e-30  # lengths below count as 0
 _BITS = 10  # of each coordinate in a Morton number
