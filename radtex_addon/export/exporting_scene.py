@@ -27,9 +27,8 @@ from .exporting import (
 from .folder import check_out, replacing_folder
 from .gltf import baked_mesh
 from .scene_engines import write_engine_scene
-from .scene_gltf import SceneGltf
+from .scene_gltf import SceneGltf, SceneNode, scene_nodes
 from .scene_manifest import SceneEntry, ScenePack
-from .scene_nodes import SceneNode, scene_nodes
 from .web import write_web
 from .write_godot import write_godot
 
