@@ -11,11 +11,11 @@ from dataclasses import dataclass
 import bpy
 
 from ..formats.sidecar import Sidecar
-from ..scene.alone import leave_alone
 from ..scene.lights.lamps import light_only
 from ..scene.mesh.cage import take_cage_out, take_out
 from ..scene.mesh.source_hits import find_source
 from ..scene.proxy_content import EVERYTHING, show_content_only
+from ..scene.regroup import leave_alone
 from ..scene.scratch import scene_copied
 
 

@@ -223,7 +223,7 @@ READERS: dict[str, str] = {
         ),
         "they look objects up that are named, whether they render or not",
     ),
-    "scene/alone": "sorts all objects of a scratch scene by whether they render",
+    "scene/regroup": "sorts all objects of a scratch scene by whether they render",
     "forms/layered/capture/panoramas": "sorts all objects of a scratch scene by whether they render",
     "scene/checks/see_through": "asks of each whether it renders",
     "preview/swap": "finds previews, and tells whether an object moved in the viewport",
