@@ -16,7 +16,7 @@ import pytest
 from radtex_addon.core.errors import InputError
 from radtex_addon.farm import carried
 from radtex_addon.farm.self_contained import pack_files
-from radtex_addon.scene.checks.outside import check_outside_files
+from radtex_addon.scene.checks.file_checks import check_outside_files
 from tests.blender import stage
 
 pytestmark = pytest.mark.one_blender

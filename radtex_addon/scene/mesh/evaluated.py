@@ -22,7 +22,7 @@ from ...core.arrays import Bools, Floats, Ints, blocks
 from ...core.errors import BakeError, InputError
 from ...core.frame import normalised
 from ...core.messages import Message
-from ..checks.missing_files import failed_drivers
+from ..checks.file_checks import failed_drivers
 from ..checks.refusals import refuse_adaptive_subdivision, refuse_displacement
 from ..geometry_digests import drifts, made_of
 from ..scratch import render_scene
