@@ -19,8 +19,7 @@ from ..formats.disk.path_checks import check_saveable
 from ..forms import form_for
 from ..preview.linked import check_replaceable
 from ..scene.camera_place import find_camera_place
-from ..scene.checks.active_camera import camera_dependent
-from ..scene.checks.camera_nodes import camera_materials
+from ..scene.checks.camera_checks import camera_dependent, camera_materials
 from ..scene.checks.enclosing_volumes import volumes_around
 from ..scene.checks.file_checks import check_outside_files, file_warnings
 from ..scene.checks.finite_light import refuse_unfinite_light
