@@ -42,8 +42,7 @@ from ..prepare.unwrapping import COUNTED, Unwraps
 from ..preview.swap import previews_not_rendered
 from ..scene.at_frame import at_frame
 from ..scene.camera_place import find_camera_place
-from ..scene.lights.lamps import light_only
-from ..scene.lights.put_out import lit_by_lamps_alone
+from ..scene.lights.lamps import light_only, lit_by_lamps_alone
 from ..scene.mesh.cage import take_cage_out
 from ..scene.objects import find_object
 from ..scene.proxy_content import EVERYTHING, show_content_only
