@@ -27,8 +27,7 @@ from ..checks.refusals import refuse_adaptive_subdivision, refuse_displacement
 from ..geometry_digests import drifts, made_of
 from ..scratch import render_scene
 from .attribute_arrays import ATTRIBUTE_LAYOUT
-from .extent import check_extent
-from .mesh_checks import FARTHEST, check_area, check_matrix, check_positions, no_faces
+from .mesh_checks import FARTHEST, check_area, check_extent, check_matrix, check_positions, no_faces
 
 log = logging.getLogger(__name__)
 
