@@ -40,11 +40,11 @@ from ..scene.digests import scene_digests
 from ..scene.geometry_digests import matrix_digest, mesh_digest
 from ..scene.mesh.copy import baked_mesh_steps, surface_mesh
 from ..scene.mesh.evaluated import EvaluatedMesh, evaluate
+from ..scene.mesh.joined import joined_surface
 from ..scene.mesh.materials import material_numbers_of, write_material_numbers
 from ..scene.mesh.mesh_parts import number_parts
 from ..scene.mesh.named_regions import chosen_triangles
 from ..scene.mesh.source_hits import SourceHits
-from ..scene.mesh.together import joined_surface
 from ..scene.units import metres_per_unit
 from .detailed import Detailed, read_detailed
 from .facts import facts_of

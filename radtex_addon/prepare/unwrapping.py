@@ -27,8 +27,8 @@ from ..scene.geometry_digests import matrix_digest, mesh_digest
 from ..scene.mesh.backs import with_twins_moved
 from ..scene.mesh.copy import UV_LAYER
 from ..scene.mesh.evaluated import EvaluatedMesh, evaluate
+from ..scene.mesh.joined import side_by_side
 from ..scene.mesh.mesh_parts import Parts, in_first_tile, parts_of, taken
-from ..scene.mesh.together import side_by_side
 from ..scene.uv.unwrap import unwrap_steps
 from ..scene.uv.unwrap_options import UnwrapOptions
 from ..scene.uv.uv_layer import check_apart, user_uv, why_unfit
