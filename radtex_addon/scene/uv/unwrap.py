@@ -33,8 +33,7 @@ from ..mesh.flatten import (
     islands_of,
     merge_flat,
 )
-from .closer_packing import packed_closer
-from .island_packing import Packed, pack_islands
+from .island_packing import Packed, pack_islands, packed_closer
 from .unwrap_options import UnwrapOptions, Unwrapped
 from .uvunwrap_job import MERGED, check_uvunwrap, unwrap_progress
 from .xatlas_process import XatlasProcess, check_xatlas
