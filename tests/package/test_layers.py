@@ -231,7 +231,7 @@ READERS: dict[str, str] = {
     "scene/preview_file": "reads and places a copy of ours",
     "export/exporting": "reads a copy of ours",
     "report/views": "places a camera of ours",
-    "scene/world_box": "says where things are without a render, those too that viewports hide",
+    "scene/objects": "says where things are without a render, those too that viewports hide",
     "scene/geometry_digests": "reads evaluated objects",
     "scene/mesh/mesh_checks": "what a viewport shows, where it shows the object",
     "scene/mesh/evaluated": "reads the render's depsgraph",
