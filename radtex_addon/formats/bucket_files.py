@@ -14,7 +14,7 @@ import numpy as np
 from ..core.arrays import Floats
 from ..core.errors import BakeError, FormatError, ShapeError
 from .containers.exr import CHANNELS, Compression, header_text, read_pixels
-from .containers.exr_bands import BandWriter
+from .containers.exr_rows import BandWriter
 from .disk.atomic import replacing
 from .image_files import layer_path
 from .sidecar import Sidecar, read_sidecar

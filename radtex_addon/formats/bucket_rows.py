@@ -9,7 +9,7 @@ from pathlib import Path
 from ..core.errors import FormatError
 from .bucket_files import image_path, size_of
 from .containers.exr import header_text
-from .containers.image_rows import ImageRows, open_rows
+from .containers.exr_rows import ImageRows, open_rows
 from .sidecar import Sidecar, read_sidecar
 from .sidecar_file import AnySidecar, SidecarFile, mismatch_error, opened
 

@@ -12,7 +12,7 @@ import numpy as np
 from ..core.arrangements import Pages, RowChain, bucket_halving, image_halving, pad, padded_layout, to_slices
 from ..core.arrays import Floats
 from ..core.atlas import AtlasLayout
-from ..formats.containers.image_rows import ImageRows
+from ..formats.containers.exr_rows import ImageRows
 from ..formats.containers.texture_file import TextureFile
 
 
