@@ -47,11 +47,19 @@ from ..scene.mesh.named_regions import chosen_triangles
 from ..scene.mesh.source_hits import SourceHits
 from ..scene.units import metres_per_unit
 from .detailed import Detailed, read_detailed
+from .faces import (
+    all_once,
+    all_with_twins,
+    chosen_once,
+    chosen_with_twins,
+    faults_told,
+    find_all_two_sided,
+    find_once,
+    single_copy,
+)
 from .facts import facts_of
 from .kept_meshes import as_begun
 from .map_checks import why_wasteful
-from .mesh_faults import all_once, chosen_once, faults_told, find_once
-from .twins import all_with_twins, chosen_with_twins, find_all_two_sided, single_copy
 from .unwrapping import AtlasPart, Unwrapped, Unwraps, shapes_at, unwrap_surfaces
 
 log = logging.getLogger(__name__)
