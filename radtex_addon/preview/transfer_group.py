@@ -10,8 +10,7 @@ from ..core.atlas import AtlasLayout
 from ..core.transfer import with_views
 from ..scene.nodes import NodeBuilder, Socket, close_group, open_group
 from .node_group import FRAME, bucket_group, check_image, check_previewable, incidence_group, pixel_group
-from .octahedron_group import octahedron_group
-from .taps import bilinear, clamp, pair
+from .taps import bilinear, clamp, octahedron_group, pair
 
 
 def build_transfer_group(
