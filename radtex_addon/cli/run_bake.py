@@ -29,7 +29,7 @@ from ..formats.disk.temporary import remove_open
 from ..job import BakeResult, OutputFiles
 from ..job.bake_plan import check_plan, plan_bakes, steps_of_bakes
 from ..job.variants import title_of
-from ..preview.picture import render_picture
+from ..preview.save import render_picture
 from ..textures.export_spec import Target
 from .arguments import Request
 from .collection_objects import with_collections
