@@ -18,9 +18,9 @@ import bpy
 
 from ..formats.sidecar import part_in
 from ..formats.sidecar_file import AnySidecar, SidecarFile, opened
+from .lit_material import follow_sun_in
 from .load import PREVIEW_TAG, load_baked_meshes, remove_unused
 from .save import MATERIAL_PREFIX
-from .sun import follow_sun_in
 
 _KEPT = ("name", "label", "location", "width")  # of what all nodes have
 MADE = "radtex_bake"  # custom property of groups and materials made here: their name and the bake's sidecar

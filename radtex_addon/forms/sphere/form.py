@@ -23,9 +23,9 @@ from ...formats.json_reader import Facts
 from ...formats.sidecar import Sidecar
 from ...formats.sidecar_file import SidecarFile
 from ...formats.transfer_files import TransferSidecar, read_transfer_sidecar
+from ...preview.lit_material import preview_transfer_material
 from ...preview.node_group import check_previewable
 from ...preview.osl import add_transfer_osl_node
-from ...preview.sun import preview_transfer_material
 from ...textures.entry import TextureEntry
 from ...textures.export_progress import Step
 from ...textures.export_spec import ExportSpec, Target
