@@ -19,7 +19,7 @@ from ..bake.progress import Stage
 from ..core.quoting import printable, printable_json
 from ..farm.farm_progress import Task as FarmTask
 from ..report.report_progress import Task
-from ..textures.export_progress import Task as ExportTask
+from ..textures.export_spec import Task as ExportTask
 from .options import ProgressStyle
 from .terminal import Output, draw, tell
 

@@ -23,8 +23,7 @@ from ..forms import Form, form_in
 from ..scene.mesh.backs import twin_numbers
 from ..scene.preview_file import baked_copy, check_preview, surface_of
 from ..textures.entry import TextureEntry
-from ..textures.export_progress import Step, Task
-from ..textures.export_spec import ExportSpec, Target
+from ..textures.export_spec import ExportSpec, Step, Target, Task
 from ..textures.flat_lightmap import flat_png
 from ..version import VERSION
 from .engines import write_engine

@@ -12,8 +12,7 @@ from ..core.errors import InputError
 from ..core.quoting import in_comment
 from ..formats.sidecar import safe_name
 from ..formats.sidecar_file import AnySidecar
-from ..textures.export_progress import Step, Task
-from ..textures.export_spec import ExportSpec, Target
+from ..textures.export_spec import ExportSpec, Step, Target, Task
 from ..version import VERSION
 from .engines import IMPORT_LINES, copy_includes, described, includes
 from .export_manifest import EXTENSION, Manifest

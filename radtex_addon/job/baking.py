@@ -48,8 +48,7 @@ from ..scene.objects import find_object
 from ..scene.proxy_content import EVERYTHING, show_content_only
 from ..scene.regroup import leave_alone
 from ..scene.scratch import find_view_layer, new_data_removed, scratch_scene
-from ..textures.export_progress import Step
-from ..textures.export_spec import ExportSpec, Target
+from ..textures.export_spec import ExportSpec, Step, Target
 from .bake_fingerprint import fingerprint_of_bake
 from .bake_folders import open_blend
 from .bake_output import BakeOutput

@@ -24,7 +24,7 @@ from ...formats.sidecar_file import SidecarFile
 from ...preview.lit_material import preview_ambient_material
 from ...preview.node_group import check_previewable
 from ...preview.osl import no_script
-from ...textures.export_progress import Step
+from ...textures.export_spec import Step
 from ..bake_job import BakeJob
 from ..buckets.flat import flat_buckets
 from ..buckets.form import Buckets, layout_in

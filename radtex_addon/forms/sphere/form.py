@@ -27,8 +27,7 @@ from ...preview.lit_material import preview_transfer_material
 from ...preview.node_group import check_previewable
 from ...preview.osl import add_transfer_osl_node
 from ...textures.entry import TextureEntry
-from ...textures.export_progress import Step
-from ...textures.export_spec import ExportSpec, Target
+from ...textures.export_spec import ExportSpec, Step, Target
 from ..bake_job import BakeJob
 from ..buckets.form import Buckets, defines, has_samples_and_cells
 from ..form import Form, PreviewOf
