@@ -20,8 +20,7 @@ from ..core.errors import InputError
 from ..scene.digests import Looks, differing, looks_of
 from ..scene.mesh.evaluated import render_with
 from ..scene.objects import is_rendered
-from .animation import animated_values, hold
-from .still_images import hold_images
+from .animation import animated_values, hold, hold_images
 
 _CACHED = {  # modifiers whose results depend on frames before, or on files
     "CLOTH",
