@@ -227,7 +227,7 @@ READERS: dict[str, str] = {
     "forms/layered/capture/panoramas": "sorts all objects of a scratch scene by whether they render",
     "scene/checks/see_through": "asks of each whether it renders",
     "preview/swap": "finds previews, and tells whether an object moved in the viewport",
-    "farm/sheets": "reads a scene of ours",
+    "farm/blend": "reads a scene of ours",
     "scene/preview_file": "reads and places a copy of ours",
     "export/exporting": "reads a copy of ours",
     "report/views": "places a camera of ours",
