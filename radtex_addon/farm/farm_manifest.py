@@ -25,8 +25,8 @@ from ..formats.disk.memory import check_memory
 from ..formats.json_reader import Facts, json_text
 from ..formats.sidecar import Sidecar
 from ..formats.sidecar_file import read_text
-from .carried import Carried
 from .farm_files import FarmFiles
+from .self_contained import Carried
 
 VERSION = 1
 _WHAT = "farm's manifest"

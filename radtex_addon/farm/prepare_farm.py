@@ -37,11 +37,11 @@ from ..scene.at_frame import at_frame
 from ..scene.digests import Looks
 from ..scene.scratch import new_data_removed
 from .blend import check_images_saved, check_seed, finish_blend, save_draft
-from .carried import Carried
 from .farm_files import FarmFiles
 from .farm_manifest import Copies, Manifest, check_farmable, check_frame_count, write_plan
 from .farm_progress import AnyStep, Step, Task
 from .freeze_scene import Held, check_holdable
+from .self_contained import Carried
 from .templates import write_templates
 
 log = logging.getLogger(__name__)
