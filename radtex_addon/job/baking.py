@@ -15,7 +15,7 @@ import bpy
 
 from ..bake.announce import publish_earlier
 from ..bake.checkpoint import Checkpoint
-from ..bake.memory_limits import check_memory
+from ..bake.cost import check_memory
 from ..bake.pending_files import with_final_paths
 from ..bake.piece_store import NO_STORE, PieceStore
 from ..bake.progress import Progress, Stage, finished

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import bpy
 
-from ..bake.memory_limits import check_memory
+from ..bake.cost import check_memory
 from ..bake.spec import BakeSpec, CaptureMethod, View
 from ..core.errors import InputError
 from ..core.messages import Message, Setting, do

@@ -14,10 +14,10 @@ from typing import Any, cast
 
 import bpy
 
+from ..bake.cost import check_memory
 from ..bake.forms import FormTraits
 from ..bake.key import is_unfinished, read_key
 from ..bake.kinds import Layout, form_in
-from ..bake.memory_limits import check_memory
 from ..bake.spec import BakeSpec
 from ..core.errors import FormatError, InputError, MemoryLimitError
 from ..core.messages import Setting, do

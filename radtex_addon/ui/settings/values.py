@@ -7,8 +7,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any, cast
 
+from ...bake.cost import check_memory
 from ...bake.kinds import KindTraits, Layout, form_in
-from ...bake.memory_limits import check_memory
 from ...bake.spec import BakeSpec, Layer, View, parse_kind, parse_layout
 from ...core.errors import InputError
 from ...scene.proxy_content import EVERYTHING
