@@ -14,9 +14,8 @@ import numpy as np
 
 from ..bake.announce import publish_earlier
 from ..bake.key import is_unfinished, read_key
-from ..bake.progress import Stage
+from ..bake.progress import Stage, Stopwatch
 from ..bake.spec import BakeSpec
-from ..bake.stopwatch import Stopwatch
 from ..core.errors import FormatError, InputError
 from ..formats.containers.numpy_files import read_npz
 from ..formats.disk.atomic import check_writable

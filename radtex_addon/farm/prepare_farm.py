@@ -16,9 +16,8 @@ import bpy
 import numpy as np
 
 from ..bake.plan import CapturePlan
-from ..bake.progress import Progress
+from ..bake.progress import Progress, Stopwatch
 from ..bake.spec import BakeSpec
-from ..bake.stopwatch import Stopwatch
 from ..core.errors import BakeError, InputError
 from ..core.messages import Setting, do
 from ..core.sampler import Filter

@@ -18,9 +18,8 @@ from ..bake.checkpoint import Checkpoint
 from ..bake.cost import check_memory
 from ..bake.pending_files import with_final_paths
 from ..bake.piece_store import NO_STORE, PieceStore
-from ..bake.progress import Progress, Stage, finished
+from ..bake.progress import Progress, Stage, Stopwatch, finished
 from ..bake.spec import BakeSpec, View
-from ..bake.stopwatch import Stopwatch
 from ..bake.thumbnail import Thumbnail
 from ..core.atlas import AtlasLayout
 from ..core.blas import one_blas_thread
