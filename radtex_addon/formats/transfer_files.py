@@ -15,7 +15,7 @@ from typing import Any
 from ..core.arrays import Floats
 from ..core.atlas import AtlasLayout
 from ..core.errors import ShapeError
-from ..core.transfer import with_views
+from ..core.sampler import with_views
 from .containers.exr import Compression, header_text, read_pixels, stored_rows, write_rows
 from .containers.exr_rows import ImageRows, open_rows
 from .disk.atomic import replacing

@@ -21,8 +21,7 @@ from radtex_addon.bake.progress import finished
 from radtex_addon.bake.spec import BakeSpec, Kind
 from radtex_addon.cli import main as batch_module
 from radtex_addon.core.errors import InputError
-from radtex_addon.core.sampler import Filter
-from radtex_addon.core.transfer import mean_over_lights
+from radtex_addon.core.sampler import Filter, mean_over_lights
 from radtex_addon.export.export_manifest import read_manifest
 from radtex_addon.export.exporting import export_steps
 from radtex_addon.export.folder import files_in

@@ -16,8 +16,8 @@ from ...bake.spec import BakeSpec
 from ...bake.transfer_views import views_along
 from ...core.arrays import Floats
 from ...core.atlas import AtlasLayout
+from ...core.sampler import with_views
 from ...core.surface import SurfaceMesh
-from ...core.transfer import with_views
 from ...formats.image_files import Shapes
 from ...formats.json_reader import Facts
 from ...formats.sidecar import Sidecar
