@@ -14,8 +14,7 @@ import pytest
 
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import BakeError, FormatError, ShapeError
-from radtex_addon.formats.bucket_files import read_layer, write_buckets
-from radtex_addon.formats.bucket_rows import open_buckets, open_layer
+from radtex_addon.formats.bucket_files import open_buckets, open_layer, read_layer, write_buckets
 from radtex_addon.formats.containers import exr_rows
 from radtex_addon.formats.containers.exr import Compression, read_atlas, read_buckets, write_atlas
 from radtex_addon.formats.containers.exr_rows import open_rows

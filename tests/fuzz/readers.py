@@ -24,8 +24,7 @@ from radtex_addon.export.export_manifest import read_manifest
 from radtex_addon.farm.farm_files import FarmFiles
 from radtex_addon.farm.farm_manifest import read_manifest as read_farm_manifest
 from radtex_addon.farm.farm_manifest import read_plan
-from radtex_addon.formats.bucket_files import read_layer
-from radtex_addon.formats.bucket_rows import open_buckets
+from radtex_addon.formats.bucket_files import open_buckets, read_counts, read_layer
 from radtex_addon.formats.containers.exr import (
     ATTRIBUTE,
     read_atlas,
@@ -37,7 +36,6 @@ from radtex_addon.formats.containers.exr import (
 )
 from radtex_addon.formats.containers.glb import Glb
 from radtex_addon.formats.disk.file_digest import digest
-from radtex_addon.formats.sample_counts import read_counts
 from radtex_addon.formats.shadow_files import read_shadow, visible_buckets
 from radtex_addon.formats.sidecar import preview_path, read_sidecar
 from radtex_addon.formats.sidecar_file import read_facts
