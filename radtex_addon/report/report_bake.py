@@ -28,10 +28,9 @@ from .map_pictures import map_pictures
 from .mesh import Found, find_mesh
 from .needs import check_judged
 from .page import Contents, page
-from .reference import reference_of
 from .report_progress import Step, Task
 from .sizes import gpu_bytes, sizes_of
-from .views import MOST_PIXELS, View, make_views
+from .views import MOST_PIXELS, View, make_views, reference_of
 
 _CHECKERS = 2  # views that also show the checker
 _LIMITS = {"views": (1, 64), "pixels": (16, MOST_PIXELS), "samples": (1, 2**24)}
