@@ -36,9 +36,9 @@ from ..scene.scratch import scene_copied, scratch_scene
 from ..version import VERSION
 from .gbuffer import eroded
 from .metrics import Figures, Mask, Picture, compare, display
-from .needs import check_shown
 from .report_progress import Step, Task
 from .shown import frame_of
+from .sizes import check_shown
 from .viewpoint import Eye
 
 GAIN = 4  # the factor of the difference
