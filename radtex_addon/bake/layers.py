@@ -11,7 +11,7 @@ import numpy as np
 
 from ..core.arrays import Floats
 from ..core.atlas import AtlasLayout
-from ..core.solid_angle import cell_solid_angles_sr
+from ..core.hemisphere import cell_solid_angles_sr
 
 WHOLE = 4  # channels of the atlas itself, RGBA; its layers' follow
 OF_LAYER = 3  # channels of each layer: RGB, or X, Y, Z

@@ -1,18 +1,18 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The session: capture tile after tile, and store each."""
+"""The session: capture tile after tile by what renders them, and store each."""
 
 from __future__ import annotations
 
 from collections.abc import Generator
 from time import perf_counter
+from typing import Protocol
 
 import numpy as np
 
 from ..core.arrays import Floats, Ints
 from ..core.errors import BakeError
 from .bands import Bands, find_bands
-from .capture import Capture
 from .cells import Cells
 from .denoising import Denoiser, denoise_cells
 from .hidden_cells import HiddenCells
@@ -24,6 +24,18 @@ from .thumbnail import Thumbnail
 
 BYTES_PER_PIXEL = 112  # of a tile: Cycles's buffers, the render result, the file, our copy (measured peak)
 SECONDS_PER_TILE = 2.0  # short enough for frequent progress, long against the cost of a render call
+
+
+class Capture(Protocol):
+    """A renderer, set up for one plan."""
+
+    def render(self, tile: Tile) -> Floats:
+        """Cells of the tile's texels: (k, n, n, C) float32, indexed [texel, q, p], scene-linear Rec.709.
+
+        Channels are RGBA, then three for each layer that the renderer was set up for. Alpha is associated.
+        Each value is the mean over its cell, uniform in B. Raises BakeError on failure.
+        """
+        ...
 
 
 def fill_atlas(

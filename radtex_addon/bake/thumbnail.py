@@ -14,8 +14,7 @@ import numpy as np
 from ..core.arrays import Floats, Ints
 from ..core.atlas import AtlasLayout
 from ..core.errors import BakeError
-from ..core.map_picture import draw_map
-from ..core.uv_map import UvMap
+from ..core.uv_map import UvMap, draw_map
 from ..formats.containers.png import encode_png
 from ..formats.disk.atomic import replacing
 

@@ -24,7 +24,7 @@ from ..core.octahedron import (
     octahedron_cell,
     octahedron_taps,
 )
-from ..core.transfer import lookup_solid_angles_sr
+from ..core.sampler import lookup_solid_angles_sr
 from .plan import CapturePlan
 from .progress import Progress, Stage
 

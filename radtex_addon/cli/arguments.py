@@ -8,7 +8,7 @@ import argparse
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 
-from ..bake.memory_limits import check_memory
+from ..bake.cost import check_memory
 from ..bake.spec import BakeSpec, Layout
 from ..core.errors import InputError
 from ..core.messages import Setting, do

@@ -14,8 +14,7 @@ import bpy
 
 from ..core.errors import InputError
 from ..formats.disk.path_checks import check_for_blender
-from ..scene.checks.missing_files import file_warnings
-from ..scene.checks.outside import check_outside_files
+from ..scene.checks.file_checks import check_outside_files, file_warnings
 from ..scene.demo import build_demo_scene
 from ..worker.unsaved_images import load_unsaved
 from .interruption import Interruption

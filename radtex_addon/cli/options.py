@@ -13,9 +13,9 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from ..bake.options import MOST_MEMORY, BakeOptions
-from ..core.command_lines import quoted
 from ..core.errors import BakeError, InputError, QualityError
 from ..core.messages import do
+from ..core.quoting import quoted
 from ..cycles.device import GPU_TYPES
 from ..formats.disk.path_checks import check_unicode, one_root
 from ..version import VERSION

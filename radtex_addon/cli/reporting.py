@@ -16,10 +16,10 @@ from time import monotonic
 from typing import Any, Protocol
 
 from ..bake.progress import Stage
-from ..core.printable import printable, printable_json
+from ..core.quoting import printable, printable_json
 from ..farm.farm_progress import Task as FarmTask
 from ..report.report_progress import Task
-from ..textures.export_progress import Task as ExportTask
+from ..textures.export_spec import Task as ExportTask
 from .options import ProgressStyle
 from .terminal import Output, draw, tell
 

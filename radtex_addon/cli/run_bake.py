@@ -28,7 +28,7 @@ from ..formats.disk.temporary import remove_open
 from ..job import BakeResult
 from ..job.bake_plan import check_plan, plan_bakes, steps_of_bakes
 from ..job.variants import title_of
-from ..preview.picture import render_picture
+from ..preview.save import render_picture
 from ..store.bake_folder import State
 from ..textures.export_spec import Target
 from .arguments import Request

@@ -11,10 +11,9 @@ import bpy
 from ..core.messages import do
 from ..formats.disk.atomic import check_writable
 from ..preview.swap import original_of
-from ..report.comparison_files import ComparisonFiles, write_comparison
 from ..report.metrics import Figures
 from ..report.shown import bakes_of, frame_of
-from ..report.side_by_side import compare_steps
+from ..report.side_by_side import ComparisonFiles, compare_steps, write_comparison
 from ..report.viewpoint import Eye
 from ..scene.at_frame import at_frame
 from ..scene.demo import OBJECT

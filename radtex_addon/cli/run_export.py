@@ -17,8 +17,7 @@ from ..export.exporting_scene import export_scene_steps
 from ..formats.disk.memory import readable_size
 from ..formats.sidecar_file import SidecarFile
 from ..report.finished_bake import find_bakes, find_bakes_of_all, object_of
-from ..textures.export_progress import Step
-from ..textures.export_spec import ExportSpec, Target
+from ..textures.export_spec import ExportSpec, Step, Target
 from ..worker.orders import EXPORTING, exported_part
 from .export_arguments import ExportRequest
 from .interruption import Interruption

@@ -7,8 +7,8 @@ from __future__ import annotations
 from dataclasses import asdict
 from functools import partial
 
-from ..core.command_lines import quoted
 from ..core.errors import InputError
+from ..core.quoting import quoted
 from ..farm.frame_list import commands
 from ..farm.prepare_farm import Farm, prepare_steps
 from ..job import Choice

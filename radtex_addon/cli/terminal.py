@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TextIO
 
 from ..core.errors import BakeError, Cancelled
-from ..core.printable import printable
+from ..core.quoting import printable
 
 
 def tell(text: str) -> None:

@@ -7,7 +7,7 @@ from __future__ import annotations
 from typing import Self
 
 from .messages import Message, Remedy
-from .printable import printable
+from .quoting import printable
 
 _HEAD, _TAIL = 4500, 500  # characters kept from the start and the end of an overlong message
 

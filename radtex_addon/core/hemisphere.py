@@ -8,6 +8,16 @@ last axis and are unit vectors; `incidence` points from the surface towards the 
 
 Components are computed one by one, and lie apart in memory where that is faster for the caller: NumPy is fast
 only along a long axis.
+
+The solid angles of cells have a closed form. The projection preserves area: a solid angle is twice its area
+on the disc. The map to the square does not: where |B.x| >= |B.y| it has the Jacobian x^2 / (x^2 + y^2), whose
+integral over a rectangle is elementary.
+
+Buckets are too coarse for ambient occlusion and the bent normal: at the horizon the cosine varies so much
+within a cell that a low wall would count half as much again as it should. So their rays use a grid of cells
+of equal cosine-weighted solid angle: the square mapped to
+the disc by Shirley and Chiu, "A Low Distortion Map Between Disk and Square" (1997), which preserves area, and
+the disc projected up to the hemisphere (Malley's method), which turns area into the cosine times solid angle.
 """
 
 from __future__ import annotations
@@ -105,3 +115,84 @@ def cell_centres(bucket: int) -> Floats:
         raise ShapeError(f"bucket: expected at least 1 cell a side, got {bucket}")
     centres = (2 * np.arange(bucket) + 1 - bucket) / bucket
     return np.stack(np.meshgrid(centres, centres), axis=-1)
+
+
+def cell_solid_angles_sr(bucket: int) -> Floats:
+    """Solid angle of each cell: (n, n) float64, steradians, indexed [q, p]; they sum to 2 pi."""
+    if bucket < 1:
+        raise ShapeError(f"bucket: expected at least 1 cell a side, got {bucket}")
+    edges = (2 * np.arange(bucket + 1) - bucket) / bucket  # exactly symmetric
+    index = np.arange(bucket)
+    near = np.minimum(np.abs(edges[:-1]), np.abs(edges[1:]))  # a cell's edge towards the centre …
+    far = np.maximum(np.abs(edges[:-1]), np.abs(edges[1:]))  # … and away from it
+    column, row = np.meshgrid(index, index)
+    major = np.maximum(far[column], far[row])
+    wide = np.where(far[column] >= far[row], column, row)  # the axis along which the cell lies further out
+    narrow = np.where(far[column] >= far[row], row, column)
+    area = _rectangle_area(near[wide], far[wide], edges[narrow], edges[narrow + 1])
+    diagonal = far[column] == far[row]
+    area[diagonal] = _diagonal_area(near[column], far[column])[diagonal]
+    centre = bucket // 2
+    if bucket % 2:  # the middle cell is a small disc
+        area[centre, centre] = np.pi * major[centre, centre] ** 2
+    return 2 * area
+
+
+def _primitive(x: Floats, y: Floats) -> Floats:
+    """F with dF/dx = x atan(y / x): the Jacobian integrated over y from 0."""
+    value: Floats = (x * x * np.arctan2(y, x) + y * x - y * y * np.arctan2(x, y)) / 2
+    return value
+
+
+def _rectangle_area(x0: Floats, x1: Floats, y0: Floats, y1: Floats) -> Floats:
+    """Disc area of the cell [x0, x1] x [y0, y1] within 0 <= |y| <= x."""
+
+    def strip(y: Floats) -> Floats:
+        magnitude = np.abs(y)
+        area: Floats = np.sign(y) * (_primitive(x1, magnitude) - _primitive(x0, magnitude))
+        return area
+
+    return strip(y1) - strip(y0)
+
+
+def _diagonal_area(near: Floats, far: Floats) -> Floats:
+    """Disc area of the cell [near, far]^2: twice its triangle below the diagonal."""
+    below: Floats = np.pi / 8 * (far**2 - near**2) - (_primitive(far, near) - _primitive(near, near))
+    area: Floats = 2 * below
+    return area
+
+
+def square_to_cosine(b: Floats) -> Floats:
+    """Directions in the frame for points of the square: B (..., 2) in [-1, 1]^2 -> I (..., 3), unit.
+
+    Equal areas of the square have equal cosine-weighted solid angles: a cell of n x n has pi / n^2 sr.
+    """
+    b = as_floats("B", b, 2)
+    size = np.abs(b)
+    radius = size.max(axis=-1)
+    ratio = np.divide(size.min(axis=-1), radius, out=np.zeros_like(radius), where=radius > 0)
+    near = ratio * b.dtype.type(np.pi / 4)  # the angle from the nearer axis
+    along, across = radius * np.cos(near), radius * np.sin(near)
+    wide = size[..., 0] >= size[..., 1]
+    x, y = np.where(wide, along, across), np.where(wide, across, along)
+    up = np.sqrt(np.maximum(1 - radius * radius, 0))
+    return np.stack([np.copysign(x, b[..., 0]), np.copysign(y, b[..., 1]), up], axis=-1)
+
+
+def occlusion(visibility: Floats) -> tuple[Floats, Floats]:
+    """The bent normal (..., 3) and the ambient visibility (...), 0 to 1, of grids (..., n, n), [q, p].
+
+    A cell's `visibility` is the share of its directions by `square_to_cosine` that nothing blocks. The
+    ambient visibility is its cosine-weighted mean over the hemisphere: 1 in the open. The bent normal is the
+    mean visible direction with the same weights, taken at cell centres: a unit vector in the frame (T, Bt,
+    N); where nothing is visible it is the normal, (0, 0, 1). Float64. Raises ShapeError for other shapes.
+    """
+    if visibility.ndim < 2 or visibility.shape[-1] != visibility.shape[-2]:
+        raise ShapeError(f"visibility: expected shape (..., n, n), got {visibility.shape}")
+    ambient = visibility.mean(axis=(-2, -1), dtype=np.float64)
+    centres = square_to_cosine(cell_centres(visibility.shape[-1]))
+    total = np.einsum("...qp,qpx->...x", visibility, centres)
+    length = np.linalg.norm(total, axis=-1, keepdims=True)
+    upright = np.broadcast_to([0.0, 0.0, 1.0], total.shape)
+    bent: Floats = np.where(length > 1e-6, total / np.maximum(length, 1e-6), upright)
+    return bent, ambient

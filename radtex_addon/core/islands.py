@@ -10,9 +10,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from .arrays import Bools, Floats, Ints, blocks
+from .arrays import Bools, Floats, Ints, blocks, ranks
 from .errors import ShapeError
-from .sorted_keys import ranks
 
 ROWS_AT_ONCE = 1 << 18  # rows of triangles that the overlap raster holds in memory at a time
 EDGE_MARGIN = 1e-6  # in grid cells: a sample this close to an edge counts as inside neither triangle

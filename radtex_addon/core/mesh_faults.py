@@ -6,11 +6,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from .arrays import Bools, Floats, Ints, blocks
-from .edges import edge_keys
+from .arrays import Bools, Floats, Ints, blocks, sorted_ranges
 from .frame import normalised
 from .islands import weld
-from .sorted_keys import sorted_ranges
+from .surface import edge_keys
 
 _NEXT = 3  # triangles at an edge are compared with so many that follow: with all where two meshes coincide
 _ONE_WAY = 1 - 1e-8  # cosine of 0.008 degrees: what lies closer together is one plane

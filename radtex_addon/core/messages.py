@@ -13,7 +13,7 @@ from dataclasses import asdict, dataclass
 from enum import StrEnum
 from typing import Any
 
-from .printable import printable
+from .quoting import printable
 
 
 class Setting(StrEnum):

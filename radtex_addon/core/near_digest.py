@@ -98,11 +98,17 @@ def joined(exact: str, parts: Iterable[NearDigest], beside: Iterable[str] = ()) 
     digests: Sequence[NearDigest] = list(parts)
     if not any(each.of for each in digests):
         return NearDigest(exact)
-    state = hashlib.sha256()
-    for text in (*(each.of or each.exact for each in digests), *beside):
-        state.update(text.encode("utf-8", "surrogateescape") + b"\0")
+    of = hash_of((*(each.of or each.exact for each in digests), *beside))
     sums = np.sum([each.sums for each in digests if each.of], axis=0)
-    return NearDigest(exact, state.hexdigest(), tuple(sums.tolist()))
+    return NearDigest(exact, of, tuple(sums.tolist()))
+
+
+def hash_of(texts: Iterable[str]) -> str:
+    """SHA-256 of texts in this order."""
+    state = hashlib.sha256()
+    for text in texts:
+        state.update(text.encode("utf-8", "surrogateescape") + b"\0")
+    return state.hexdigest()
 
 
 def _weighted_sums(values: npt.NDArray[Any]) -> npt.NDArray[np.float64]:

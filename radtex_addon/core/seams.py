@@ -16,10 +16,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from .arrays import Bools, Floats, Ints
-from .edges import edge_keys
 from .frame import normalised, orthonormal_frame
 from .islands import signed_areas, weld
-from .surface import SurfaceMesh
+from .surface import SurfaceMesh, edge_keys
 from .texel_map import TexelMap
 
 _SMOOTH = math.cos(math.radians(10))  # of the angle between two normals at one place, to be one surface

@@ -25,7 +25,7 @@ from ..bake.plan import MAX_IMAGE_SIDE, CapturePlan, Tile
 from ..bake.rays import CLEAR_SAMPLES
 from ..core.arrays import Bools, Floats
 from ..core.atlas import AtlasLayout
-from ..core.occlusion import square_to_cosine
+from ..core.hemisphere import square_to_cosine
 from ..scene.lights.casters import may_be_clear, shadow_casters_visible, show_all_collections
 from .capture_settings import first_hit_only
 from .portal import Aim, PortalCapture

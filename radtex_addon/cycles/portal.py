@@ -280,7 +280,7 @@ def _local_direction(build: NodeBuilder, bucket: Socket, kind: Kind) -> tuple[So
 
 
 def _cosine_direction(build: NodeBuilder, bucket: Socket) -> tuple[Socket, Socket, Socket]:
-    """Like `_local_direction`, but distributed by the cosine: `core.occlusion.square_to_cosine`."""
+    """Like `_local_direction`, but distributed by the cosine: `core.hemisphere.square_to_cosine`."""
     b = build.vector("MULTIPLY_ADD", bucket, (2.0, 2.0, 0.0), (-1.0, -1.0, 0.0))
     x, y, _ = build.separate(b)
     wide, high, _ = build.separate(build.vector("ABSOLUTE", b))

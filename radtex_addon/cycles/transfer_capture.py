@@ -26,7 +26,7 @@ from ..bake.thumbnail import Thumbnail
 from ..bake.transfer_buckets import sun_directions, sun_radius
 from ..core.arrays import Floats
 from ..core.errors import BakeError
-from ..scene.lights.unlit import take_light_away
+from ..scene.lights.lamps import take_light_away
 from .portal import Aim, PortalCapture
 
 _GROUP = "RadTexSun"

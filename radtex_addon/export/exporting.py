@@ -14,7 +14,7 @@ import bpy
 
 from ..core.errors import FormatError, InputError
 from ..core.messages import Setting, do
-from ..core.printable import printable
+from ..core.quoting import printable
 from ..formats.disk.memory import check_allowed
 from ..formats.file_names import FORBIDDEN, is_plain_stem
 from ..formats.sidecar import Sidecar, preview_path
@@ -23,8 +23,7 @@ from ..forms import Form, form_in
 from ..scene.mesh.backs import twin_numbers
 from ..scene.preview_file import baked_copy, check_preview, surface_of
 from ..textures.entry import TextureEntry
-from ..textures.export_progress import Step, Task
-from ..textures.export_spec import ExportSpec, Target
+from ..textures.export_spec import ExportSpec, Step, Target, Task
 from ..textures.flat_lightmap import flat_png
 from ..version import VERSION
 from .engines import write_engine

@@ -4,34 +4,70 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from ..core.errors import InputError
+from ..core.quoting import in_comment
 from ..formats.sidecar import safe_name
 from ..formats.sidecar_file import AnySidecar
-from ..textures.export_progress import Step, Task
-from ..textures.export_spec import ExportSpec, Target
+from ..textures.export_spec import ExportSpec, Step, Target, Task
 from ..version import VERSION
-from .export_manifest import Manifest
-from .exporting import (
-    Exported,
-    ExportSource,
-    Flat,
-    check_bake,
-    check_writer,
-    flat_steps,
-    manifest_of,
-)
+from .engines import IMPORT_LINES, copy_includes, described, includes
+from .export_manifest import EXTENSION, Manifest
+from .exporting import Exported, ExportSource, Flat, check_bake, check_writer, flat_steps, manifest_of
 from .folder import check_out, replacing_folder
 from .gltf import baked_mesh
-from .scene_engines import write_engine_scene
-from .scene_gltf import SceneGltf
+from .pack import Pack
+from .scene_gltf import SceneGltf, SceneNode, scene_nodes
 from .scene_manifest import SceneEntry, ScenePack
-from .scene_nodes import SceneNode, scene_nodes
 from .web import write_web
 from .write_godot import write_godot
+
+
+def write_engine_scene(pack: ScenePack, folder: Path) -> None:
+    """Add the shader includes that the bakes need, and a README.txt, to a scene's folder."""
+    target = pack.spec.target
+    packs = [Pack(manifest.name, manifest, folder, pack.spec) for manifest in pack.manifests]
+    copy_includes(dict.fromkeys(path for each in packs for path in includes(target, each)), folder)
+    text = "".join(f"{in_comment(line)}\n" for line in _lines(pack))
+    (folder / "README.txt").write_text(text, encoding="utf-8", newline="\n")
+
+
+def _lines(pack: ScenePack) -> Iterator[str]:
+    """The lines of README.txt: the files, the nodes, and how each bake is looked up."""
+    yield f"{pack.name}: a scene of {len(pack.manifests)} radiance textures, made by {pack.manifests[0].tool}"
+    yield ""
+    yield f"{pack.mesh}: the meshes, a node for each object. TEXCOORD_0 is the baked UV layer, NORMAL and"
+    yield "TANGENT its frame."
+    yield f"{pack.name}.{EXTENSION}: which node has which textures, for programs."
+    yield "shaders/: the includes to look them up by (MIT licence)."
+    yield ""
+    for entry in pack.entries:
+        yield _node(entry)
+    for manifest in pack.manifests:
+        yield from _bake(manifest, pack)
+    yield ""
+    yield from IMPORT_LINES
+
+
+def _node(entry: SceneEntry) -> str:
+    levels = ", ".join(level.node for level in entry.levels)
+    return f"node {entry.node}: {entry.manifest.name}" + (f"; farther away {levels}" if levels else "")
+
+
+def _bake(manifest: Manifest, pack: ScenePack) -> Iterator[str]:
+    bake = manifest.bake
+    width, height = bake["texels"]
+    yield ""
+    yield f"{manifest.name}"
+    yield f"layout {bake['layout']}, {width} x {height} texels of {bake['bucket']} x {bake['bucket']} cells"
+    yield f"{manifest.flat}: a flat lightmap, the mean of each texel's light; also inside {pack.mesh}."
+    for layer, entry in manifest.textures.items():
+        yield described(layer, entry)
+    yield from manifest.form.usage(bake, manifest.textures, pack.spec.target)
+
 
 _WRITERS: dict[Target, Callable[[ScenePack, Path], None]] = {
     Target.WEB: write_web,

@@ -1,20 +1,32 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A small project for Godot: the bake, the addon that imports it, a scene with a camera and light."""
+"""A small project for Godot: the bake, the addon that imports it, a scene with a camera and light.
+
+The addon imports our .glb files; it is its sources with the shader includes that it needs.
+"""
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Sequence
 from pathlib import Path
 
 from ..bake.kinds import Kind, Lit
 from ..core.quoting import godot_string, in_comment
 from .export_manifest import Manifest
-from .godot_addon import copy_addon
-from .pack import Pack
+from .pack import SHADERS, Pack
 from .scene_manifest import ScenePack
 from .templates import filled, write_text_file
 
+ADDON = Path("addons", "radtex")  # where Godot's asset library and every project have it
+LOOKUPS = (
+    "radtex",
+    "radtex_layered",
+    "radtex_layered_through",
+    "radtex_shadow",
+    "radtex_trace",
+    "radtex_transfer",
+)
 TEMPLATES = Path(__file__).with_name("godot_project")
 _MIRROR = """\
 [node name="Mirror" type="MeshInstance3D" parent="."]
@@ -42,6 +54,16 @@ sky_material = SubResource("6")
 
 """
 _MIRROR_RESOURCE = '[ext_resource type="Script" path="res://addons/radtex/mirror.gd" id="4"]\n'
+
+
+def copy_addon(project: Path) -> Path:
+    """Copy the addon into a project's folder, where it must not be yet; returns its folder there."""
+    addon = project / ADDON
+    shutil.copytree(SHADERS / "godot" / ADDON, addon)
+    (addon / "lookups").mkdir()
+    for name in LOOKUPS:
+        shutil.copyfile(SHADERS / f"{name}.gdshaderinc", addon / "lookups" / f"{name}.gdshaderinc")
+    return addon
 
 
 def write_godot(pack: Pack | ScenePack, folder: Path) -> None:

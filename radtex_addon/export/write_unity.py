@@ -18,12 +18,19 @@ from ..formats.containers.glb import Glb
 from ..forms.hlsl_lookup import ARGUMENTS, HlslLookup, numbers
 from ..textures.entry import TextureEntry
 from ..textures.export_spec import Target
-from .carried_frame import ATTRIBUTES, carry_frame
 from .engines import file_lines
-from .hlsl_text import constant_lines, define_lines, indented, is_clear, material_numbers
 from .node_matrix import baked_matrix
 from .pack import SHADERS, Pack
 from .templates import filled, write_text_file
+from .unity_unreal import (
+    ATTRIBUTES,
+    carry_frame,
+    constant_lines,
+    define_lines,
+    indented,
+    is_clear,
+    material_numbers,
+)
 
 TEMPLATES = SHADERS / "unity"
 SHARED = "radtex_unity.hlsl"  # the one file of TEMPLATES that is copied as it is

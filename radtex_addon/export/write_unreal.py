@@ -21,12 +21,19 @@ from ..core.quoting import in_comment, python_string
 from ..formats.containers.glb import Glb
 from ..forms.hlsl_lookup import ARGUMENTS, SAMPLER, HlslLookup, Number, keeps_levels, numbers
 from ..textures.export_spec import Target
-from .carried_frame import ATTRIBUTES, apply_turn_and_scale, carry_frame
 from .engines import file_lines
-from .hlsl_text import define_lines, indented, is_clear, material_numbers
 from .node_matrix import baked_matrix
 from .pack import SHADERS, Pack
 from .templates import filled, write_text_file
+from .unity_unreal import (
+    ATTRIBUTES,
+    apply_turn_and_scale,
+    carry_frame,
+    define_lines,
+    indented,
+    is_clear,
+    material_numbers,
+)
 from .write_unity import texture_type
 
 TEMPLATES = SHADERS / "unreal"

@@ -12,9 +12,8 @@ from typing import Any
 import bpy
 import numpy as np
 
-from ..bake.progress import Stage
+from ..bake.progress import Stage, Stopwatch
 from ..bake.spec import BakeSpec
-from ..bake.stopwatch import Stopwatch
 from ..core.errors import FormatError, InputError
 from ..formats.containers.numpy_files import read_npz
 from ..formats.disk.atomic import check_writable

@@ -1,25 +1,107 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The farm's .blend: a scene set up for a capture, saved without animation and with all files it needs."""
+"""The farm's .blend: a scene set up for a capture, saved without animation and with all files it needs.
+
+Its animation has a sheet per frame, each written as a picture.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import bpy
+import numpy as np
 
+from ..bake.plan import sheet_seed
 from ..core.errors import BakeError, InputError
+from ..cycles.portal import FIRST_ROW
 from ..preview.save import images_of
+from ..scene.digests import Looks, looks_of
+from .animation import curves_of
 from .farm_files import FarmFiles
 from .farm_manifest import Manifest
 from .freeze_scene import Held, hold_still, read_cached
-from .render_digests import Looks, looks_of
 from .self_contained import Packed, make_local, pack_files
-from .sheets import animate_sheets, portal_tree, without_extras
 
+OUTPUT = "//frames/####"
 _SCENE = "RadTex farm"
+
+
+def check_seed(seed: int, sheets: int) -> None:
+    """Raises InputError for a seed that keyframes cannot store exactly: they are single-precision floats."""
+    if sheets > 1 and np.floor(np.float32(seed) + np.float32(0.5)) != seed:
+        raise InputError(f"seed {seed}: a farm's frames hold no such number, give one below {2**23}")
+
+
+def animate_sheets(scene: bpy.types.Scene, manifest: Manifest) -> None:
+    """Make frame f render sheet f - 1, and write its picture with the job's name in the header."""
+    rows = [0.5 + manifest.sheet_rows * sheet for sheet in range(manifest.sheets)]
+    seeds = [sheet_seed(manifest.spec.seed, sheet) for sheet in range(manifest.sheets)]
+    tree: Any = portal_tree(scene)
+    node = next(node for node in tree.nodes if node.label == FIRST_ROW)
+    _key(tree, f'nodes["{node.name}"].outputs[0].default_value', rows)
+    _key(scene, "cycles.seed", seeds)
+    scene.frame_start, scene.frame_end, scene.frame_step = 1, manifest.sheets, 1
+    scene.use_preview_range = False
+    render = scene.render
+    render.frame_map_old = render.frame_map_new = 100
+    render.use_border = render.use_crop_to_border = False
+    render.filepath = OUTPUT
+    render.image_settings.exr_codec = "ZIP"  # loses nothing, and tells by its sums of what was damaged
+    _stamp(render, manifest.note)
+    scene.frame_set(1)
+
+
+def portal_tree(scene: bpy.types.Scene) -> bpy.types.NodeTree:
+    """The nodes that send the camera's rays to their texels."""
+    slots = (slot for item in scene.objects for slot in item.material_slots)
+    trees = (slot.material.node_tree for slot in slots if slot.material is not None)
+    return next(tree for tree in trees if tree and any(node.label == FIRST_ROW for node in tree.nodes))
+
+
+def _key(owner: Any, path: str, values: Sequence[float]) -> None:
+    """Keyframe a property with a value per frame from 1 on, without interpolation."""
+    for frame, value in enumerate(values, 1):
+        of, _, name = path.rpartition(".")
+        setattr(owner.path_resolve(of), name, value)
+        owner.keyframe_insert(path, frame=frame)
+    curve = next(curve for curve in curves_of(owner) if curve.data_path == path)
+    for point in curve.keyframe_points:
+        point.interpolation = "CONSTANT"
+    found = [curve.evaluate(frame) for frame in range(1, len(values) + 1)]
+    if found != list(values):
+        raise BakeError(
+            f"Blender keeps no keyframes of {path}: it makes {found} of {list(values)}; report this"
+        )
+
+
+def _stamp(render: Any, note: str) -> None:
+    """Make Blender write the job and the frame into each picture's header, and nothing else."""
+    for prop in render.bl_rna.properties:
+        if prop.identifier.startswith("use_stamp") and prop.type == "BOOLEAN":
+            setattr(render, prop.identifier, False)
+    render.metadata_input = "SCENE"
+    render.use_stamp_note, render.stamp_note_text = True, note
+    render.use_stamp_frame = True
+
+
+def without_extras(scene: bpy.types.Scene) -> None:
+    """Remove what no frame shows: compositing, the sequencer, other scenes."""
+    anything = cast(Any, scene)
+    anything.sequence_editor_clear()
+    if hasattr(anything, "compositing_node_group"):  # Blender 5
+        anything.compositing_node_group = None
+    elif anything.node_tree is not None:
+        anything.node_tree.nodes.clear()
+    for manager in bpy.data.window_managers:
+        for window in manager.windows:
+            window.scene = scene
+    for other in list(bpy.data.scenes):
+        if other != scene:
+            bpy.data.scenes.remove(other)
 
 
 def check_images_saved() -> None:

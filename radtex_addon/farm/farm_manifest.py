@@ -26,8 +26,8 @@ from ..formats.json_reader import Facts, json_text
 from ..formats.sidecar import Sidecar
 from ..formats.sidecar_file import read_text
 from ..store import checkpoint_files
-from .carried import Carried
 from .farm_files import FarmFiles
+from .self_contained import Carried
 
 VERSION = 1
 _WHAT = "farm's manifest"

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from ..core.command_lines import quoted
+from ..core.quoting import quoted
 from .farm_files import FarmFiles
 
 

@@ -17,11 +17,10 @@ import bpy
 from mathutils import Matrix
 
 from ..core.errors import InputError
+from ..scene.digests import Looks, differing, looks_of
 from ..scene.mesh.evaluated import render_with
 from ..scene.objects import is_rendered
-from .animation import Values, animated_values, hold
-from .render_digests import Looks, differing, looks_of
-from .still_images import hold_images
+from .animation import animated_values, hold, hold_images
 
 _CACHED = {  # modifiers whose results depend on frames before, or on files
     "CLOTH",
@@ -53,7 +52,7 @@ def hold_still(scene: bpy.types.Scene, expected: Looks, cached: Held, last: int)
 
     Raises InputError for objects and images that change with time, or are not as expected.
     """
-    hold(_values(scene))
+    hold(render_with(scene, animated_values))
     hold_images(scene)
     _pin(scene, cached)
     if changed := differing(looks_of(scene), expected):
@@ -87,12 +86,6 @@ def _is_cached(item: Any) -> bool:
         or any(modifier.type in _CACHED and modifier.show_render for modifier in item.modifiers)
         or any(constraint.type in _TRACKED for constraint in item.constraints)
     )
-
-
-def _values(scene: bpy.types.Scene) -> list[Values]:
-    found: list[Values] = []
-    render_with(scene, lambda depsgraph: found.extend(animated_values(depsgraph)))
-    return found
 
 
 def _read(scene: bpy.types.Scene, names: Collection[str]) -> Held:

@@ -16,9 +16,8 @@ import bpy
 import numpy as np
 
 from ..bake.plan import CapturePlan
-from ..bake.progress import Progress
+from ..bake.progress import Progress, Stopwatch
 from ..bake.spec import BakeSpec
-from ..bake.stopwatch import Stopwatch
 from ..core.errors import BakeError, InputError
 from ..core.messages import Setting, do
 from ..core.sampler import Filter
@@ -32,17 +31,16 @@ from ..job.baking import Baked, bake_unchecked
 from ..job.checks import check_request
 from ..job.split_parts import check_part
 from ..scene.at_frame import at_frame
+from ..scene.digests import Looks
 from ..scene.scratch import new_data_removed
 from ..store.output_files import OutputFiles
 from ..store.ownership import Overwrite
-from .blend import check_images_saved, finish_blend, save_draft
-from .carried import Carried
+from .blend import check_images_saved, check_seed, finish_blend, save_draft
 from .farm_files import FarmFiles
 from .farm_manifest import Copies, Manifest, check_farmable, check_frame_count, write_plan
 from .farm_progress import AnyStep, Step, Task
 from .freeze_scene import Held, check_holdable
-from .render_digests import Looks
-from .sheets import check_seed
+from .self_contained import Carried
 from .templates import write_templates
 
 log = logging.getLogger(__name__)

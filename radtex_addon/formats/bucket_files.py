@@ -1,9 +1,15 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The files of a bake in the bucket layout: a sidecar `<name>.<kind>.json`, the atlas and its layers."""
+"""The files of a bake in the bucket layout: a sidecar `<name>.<kind>.json`, the atlas and its layers.
+
+The number of samples of each texel, if they differ, is a line of text in the sidecar: run-length encoded, row
+by row from the bottom: "16x1200 24x30 16x15018" means 1200 texels with 16 samples per cell, then 30 with 24,
+and so on.
+"""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
@@ -11,15 +17,16 @@ from pathlib import Path
 
 import numpy as np
 
-from ..core.arrays import Floats
+from ..core.arrays import Floats, Ints
 from ..core.errors import BakeError, FormatError, ShapeError
 from .containers.exr import CHANNELS, Compression, header_text, read_pixels
-from .containers.exr_bands import BandWriter
+from .containers.exr_rows import BandWriter, ImageRows, open_rows
 from .disk.atomic import replacing
 from .image_files import layer_path
 from .sidecar import Sidecar, read_sidecar
-from .sidecar_file import AnySidecar, mismatch_error, opened
+from .sidecar_file import AnySidecar, SidecarFile, mismatch_error, opened
 
+_RUN = re.compile(r"([1-9]\d{0,17})x([1-9]\d{0,9})")
 BASE = "base"  # the only layer with one value per texel instead of a bucket
 _NO_LIGHT = ("normal", "rest")  # have signed values, while DWAA's losses are meant for light
 _COLOURS = 3
@@ -144,3 +151,51 @@ def size_of(bake: Sidecar, layer: str) -> tuple[int, int]:
     """Width and height in pixels of a layer's image."""
     cells = 1 if layer == BASE else bake.bucket
     return bake.width * cells, bake.height * cells
+
+
+def open_buckets(sidecar: AnySidecar) -> tuple[ImageRows, Sidecar]:
+    """`exr.read_buckets` for reading in bands of rows. Raises FormatError as that does."""
+    file = opened(sidecar)
+    facts = read_sidecar(file)
+    return open_rows(_checked(file, facts, ""), *size_of(facts, "")), facts
+
+
+def open_layer(sidecar: AnySidecar, layer: str) -> ImageRows:
+    """`bucket_files.read_layer` for reading in bands of rows. Raises FormatError as that does."""
+    file = opened(sidecar)
+    facts = read_sidecar(file)
+    if layer not in facts.layers:
+        known = ", ".join(facts.layers) or "none"
+        raise FormatError(f"{file} has no layer {layer}: its layers are {known}")
+    return open_rows(_checked(file, facts, layer), *size_of(facts, layer), [_COLOURS])
+
+
+def _checked(file: SidecarFile, facts: Sidecar, layer: str) -> Path:
+    """The path of a layer's image. Raises FormatError if its header does not match the sidecar."""
+    image = image_path(file.path, layer)
+    if Sidecar.from_json(header_text(image), f"the header of {image}") != facts:
+        raise mismatch_error(image, file)
+    return image
+
+
+def count_text(counts: Ints) -> str:
+    """Encode samples (H, W), row 0 at v = 0, as text; empty if all are equal."""
+    flat = counts.ravel()
+    starts = np.flatnonzero(np.concatenate([[True], flat[1:] != flat[:-1]]))
+    if len(starts) == 1:
+        return ""
+    lengths = np.diff([*starts, len(flat)])
+    return " ".join(f"{value}x{length}" for value, length in zip(flat[starts], lengths, strict=True))
+
+
+def read_counts(text: str, width: int, height: int, source: str) -> Ints:
+    """Inverse of `count_text`: samples (H, W). Raises FormatError, with the `source`, if malformed."""
+    runs = [_RUN.fullmatch(word) for word in text.split(" ")]
+    pairs = [(int(run[1]), int(run[2])) for run in runs if run is not None]
+    told = sum(length for _, length in pairs)
+    if len(pairs) < len(runs) or told != width * height:
+        raise FormatError(
+            f'{source} has a "texel_samples" that does not tell {width} x {height} texels: bake it again'
+        )
+    values, lengths = zip(*pairs, strict=True)
+    return np.repeat(np.array(values, dtype=np.int64), lengths).reshape(height, width)

@@ -87,7 +87,7 @@ class Sidecar:
     counts the values that were beyond the file's range; `layers` are the bake's images besides the first.
     `mesh` is a digest of the baked copy's shape and UVs, empty if unknown. If several `objects` share the
     atlas, `object_name` is the atlas's name. Anything farther than the `ao_distance` does not occlude. If
-    `texel_samples` (`formats.sample_counts`) is given, `samples` is its smallest number. The UV layer has so
+    `texel_samples` (`formats.bucket_files`) is given, `samples` is its smallest number. The UV layer has so
     many `islands`, which cover a share of the atlas, the `coverage`; both are None if unknown. The
     `texel_density` is given if the atlas's size follows from a density. `wasteful` says why the map wastes
     its atlas, to go on after "the map …", and is empty if it does not. The `fingerprint` tells what was

@@ -15,9 +15,9 @@ from typing import Any
 from ..core.arrays import Floats
 from ..core.atlas import AtlasLayout
 from ..core.errors import ShapeError
-from ..core.transfer import with_views
+from ..core.sampler import with_views
 from .containers.exr import Compression, header_text, read_pixels, stored_rows, write_rows
-from .containers.image_rows import ImageRows, open_rows
+from .containers.exr_rows import ImageRows, open_rows
 from .disk.atomic import replacing
 from .json_reader import Facts, json_text
 from .sidecar import Sidecar

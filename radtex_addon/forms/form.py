@@ -24,8 +24,7 @@ from ..formats.json_reader import Facts
 from ..formats.sidecar import Sidecar
 from ..formats.sidecar_file import SidecarFile
 from ..textures.entry import TextureEntry
-from ..textures.export_progress import Step
-from ..textures.export_spec import ExportSpec, Target
+from ..textures.export_spec import ExportSpec, Step, Target
 from .bake_job import BakeJob
 from .hlsl_lookup import HlslLookup
 from .outcome import Outcome

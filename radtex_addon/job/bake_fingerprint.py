@@ -11,7 +11,7 @@ from ..core.errors import FormatError
 from ..formats.fingerprint import Fingerprint, fingerprint_in
 from ..formats.sidecar_file import read_facts
 from ..preview.swap import previews_not_rendered
-from ..scene.fingerprints import SceneDigests, read_scene
+from ..scene.digests import SceneDigests, read_scene
 from ..scene.scratch import find_view_layer, scratch_scene
 from ..store.output_files import OutputFiles
 

@@ -13,11 +13,10 @@ from typing import TypeAlias
 
 import bpy
 
-from ..bake.memory_limits import check_memory
+from ..bake.cost import check_memory
 from ..bake.piece_store import NO_STORE, PieceStore
-from ..bake.progress import Progress, Stage, finished
+from ..bake.progress import Progress, Stage, Stopwatch, finished
 from ..bake.spec import BakeSpec, View
-from ..bake.stopwatch import Stopwatch
 from ..bake.thumbnail import Thumbnail
 from ..core.blas import one_blas_thread
 from ..core.errors import InputError
@@ -36,20 +35,18 @@ from ..prepare.map_checks import wasteful_map
 from ..prepare.prepared import Prepared, prepare
 from ..prepare.unwrapping import COUNTED, Unwraps
 from ..preview.swap import previews_not_rendered
-from ..scene.alone import leave_alone
 from ..scene.at_frame import at_frame
 from ..scene.camera_place import find_camera_place
-from ..scene.lights.lamps import light_only
-from ..scene.lights.put_out import lit_by_lamps_alone
+from ..scene.lights.lamps import light_only, lit_by_lamps_alone
 from ..scene.mesh.cage import take_cage_out
 from ..scene.objects import find_object
 from ..scene.proxy_content import EVERYTHING, show_content_only
+from ..scene.regroup import leave_alone
 from ..scene.scratch import find_view_layer, new_data_removed, scratch_scene
 from ..store.bake_folder import BakeFolder
 from ..store.output_files import BakeOutput, OutputFiles
 from ..store.ownership import Overwrite, open_blend
-from ..textures.export_progress import Step
-from ..textures.export_spec import ExportSpec, Target
+from ..textures.export_spec import ExportSpec, Step, Target
 from .bake_fingerprint import fingerprint_of_bake
 from .checks import check_request, check_seen
 from .previews import save_preview_of

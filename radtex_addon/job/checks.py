@@ -9,7 +9,7 @@ from pathlib import Path
 
 import bpy
 
-from ..bake.memory_limits import check_memory
+from ..bake.cost import check_memory
 from ..bake.spec import BakeSpec, CaptureMethod, View
 from ..core.errors import InputError
 from ..core.messages import Message, Setting, do
@@ -19,12 +19,10 @@ from ..formats.disk.path_checks import check_saveable
 from ..forms import form_for
 from ..preview.linked import check_replaceable
 from ..scene.camera_place import find_camera_place
-from ..scene.checks.active_camera import camera_dependent
-from ..scene.checks.camera_nodes import camera_materials
+from ..scene.checks.camera_checks import camera_dependent, camera_materials
 from ..scene.checks.enclosing_volumes import volumes_around
+from ..scene.checks.file_checks import check_outside_files, file_warnings
 from ..scene.checks.finite_light import refuse_unfinite_light
-from ..scene.checks.missing_files import file_warnings
-from ..scene.checks.outside import check_outside_files
 from ..scene.checks.refusals import refuse_see_through
 from ..scene.checks.see_through import why_no_surface
 from ..scene.lights.lamps import find_lamps, refuse_negative, rendered_lamps

@@ -14,9 +14,9 @@ from typing import cast
 
 import bpy
 
+from ..bake.cost import check_memory
 from ..bake.forms import FormTraits
 from ..bake.kinds import Layout
-from ..bake.memory_limits import check_memory
 from ..bake.spec import BakeSpec
 from ..core.errors import InputError, MemoryLimitError
 from ..core.messages import Setting, do

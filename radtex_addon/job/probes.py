@@ -18,9 +18,8 @@ import bpy
 
 from ..bake.estimate import BakeWork, Measurement
 from ..bake.piece_store import MemoryStore
-from ..bake.progress import Progress, Stage, finished
+from ..bake.progress import Progress, Stage, Stopwatch, finished
 from ..bake.spec import BakeSpec, Unwrap
-from ..bake.stopwatch import Stopwatch
 from ..formats.disk.temporary import temporary_folder
 from ..forms import form_for
 from ..forms.bake_job import BakeJob

@@ -35,21 +35,30 @@ from ..core.uv_map import UvMap
 from ..cycles.find_hidden import find_hidden
 from ..formats import sidecar
 from ..formats.fingerprint import Fingerprint
-from ..scene.digests import matrix_digest, mesh_digest, scene_digests
+from ..scene.digests import scene_digests
+from ..scene.geometry_digests import matrix_digest, mesh_digest
 from ..scene.mesh.copy import baked_mesh_steps, surface_mesh
 from ..scene.mesh.evaluated import EvaluatedMesh, evaluate
+from ..scene.mesh.joined import joined_surface
+from ..scene.mesh.materials import material_numbers_of, write_material_numbers
 from ..scene.mesh.mesh_parts import number_parts
 from ..scene.mesh.named_regions import chosen_triangles
-from ..scene.mesh.numbered_materials import material_numbers_of, write_material_numbers
 from ..scene.mesh.source_hits import SourceHits
-from ..scene.mesh.together import joined_surface
 from ..scene.units import metres_per_unit
 from .detailed import Detailed, read_detailed
+from .faces import (
+    all_once,
+    all_with_twins,
+    chosen_once,
+    chosen_with_twins,
+    faults_told,
+    find_all_two_sided,
+    find_once,
+    single_copy,
+)
 from .facts import facts_of
 from .kept_meshes import as_begun
 from .map_checks import why_wasteful
-from .mesh_faults import all_once, chosen_once, faults_told, find_once
-from .twins import all_with_twins, chosen_with_twins, find_all_two_sided, single_copy
 from .unwrapping import AtlasPart, Unwrapped, Unwraps, shapes_at, unwrap_surfaces
 
 log = logging.getLogger(__name__)

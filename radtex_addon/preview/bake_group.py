@@ -11,18 +11,18 @@ and a material that was made before stays as it is, with the user's changes.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any, TypeAlias, cast
 
 import bpy
 
 from ..formats.sidecar import part_in
 from ..formats.sidecar_file import AnySidecar, SidecarFile, opened
-from ..scene.copied_nodes import copy_nodes, same_socket
+from .lit_material import follow_sun_in
 from .load import PREVIEW_TAG, load_baked_meshes, remove_unused
 from .save import MATERIAL_PREFIX
-from .sun import follow_sun_in
 
+_KEPT = ("name", "label", "location", "width")  # of what all nodes have
 MADE = "radtex_bake"  # custom property of groups and materials made here: their name and the bake's sidecar
 OSL_SUFFIX = " (OSL)"
 _OUTPUTS = {"Shader": "NodeSocketShader", "Color": "NodeSocketColor", "Alpha": "NodeSocketFloat"}
@@ -189,3 +189,40 @@ def _take_over_asset(earlier: Any, group: Any) -> None:
         setattr(group.asset_data, name, getattr(earlier.asset_data, name))
     for tag in earlier.asset_data.tags:
         group.asset_data.tags.new(tag.name, skip_if_exists=True)
+
+
+def copy_nodes(
+    nodes: Iterable[bpy.types.Node], source: bpy.types.NodeTree, target: bpy.types.NodeTree
+) -> dict[bpy.types.Node, bpy.types.Node]:
+    """Copy some nodes of `source`, and the links among them, into `target`. Returns the copies.
+
+    Nodes whose sockets Blender makes only later, as Script nodes' are, are not for this.
+    """
+    copies = {node: _copy(node, target) for node in nodes}
+    for link in cast("Iterable[Any]", source.links):
+        if link.from_node in copies and link.to_node in copies:
+            start = copies[link.from_node].outputs[_place(link.from_node.outputs, link.from_socket)]
+            end = copies[link.to_node].inputs[_place(link.to_node.inputs, link.to_socket)]
+            target.links.new(start, end)
+    return copies
+
+
+def same_socket(socket: Any, copies: dict[bpy.types.Node, bpy.types.Node]) -> bpy.types.NodeSocket:
+    """The output of a copied node that an output of the original became."""
+    return copies[socket.node].outputs[_place(socket.node.outputs, socket)]
+
+
+def _place(sockets: Any, wanted: Any) -> int:
+    return next(number for number, socket in enumerate(sockets) if socket == wanted)
+
+
+def _copy(node: bpy.types.Node, target: bpy.types.NodeTree) -> bpy.types.Node:
+    copy = target.nodes.new(node.bl_idname)
+    common = set(bpy.types.Node.bl_rna.properties.keys())
+    own = [each for each in node.bl_rna.properties if each.identifier not in common and not each.is_readonly]
+    for name in (*_KEPT, *(each.identifier for each in own)):
+        setattr(copy, name, getattr(node, name))
+    for before, after in zip(cast(Any, node.inputs), cast(Any, copy.inputs), strict=True):
+        if hasattr(before, "default_value"):
+            after.default_value = before.default_value
+    return copy

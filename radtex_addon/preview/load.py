@@ -14,8 +14,8 @@ from ..core.errors import FormatError, InputError
 from ..formats.sidecar import part_in, preview_path
 from ..formats.sidecar_file import SidecarFile
 from ..scene.preview_file import appended
+from .lit_material import forget_sun
 from .save import MATERIAL_PREFIX, images_of
-from .sun import forget_sun
 from .taps import image_size
 
 PREVIEW_TAG = "radtex_preview"  # custom property that marks data-blocks loaded from a preview

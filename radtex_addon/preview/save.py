@@ -5,33 +5,103 @@
 The file holds what the scene shows and nothing else of the user's file: the baked copy with its material,
 the objects that are visible, camera, lights and world. No other scenes, texts, brushes, window layouts, and
 nothing that only a fake user keeps. Images with a file on disk are linked; large packed ones are stored once
-for all previews of a folder (`shared_images`).
+for all previews of a folder.
 
 It is written from the user's own session. Meanwhile a stand-in replaces the object for everything that uses
 it (collections, children, constraints, other objects' modifiers, drivers), and a trimmed copy the scene.
+
+Packed images of the surroundings, such as an HDRI, are stored once for all previews of a folder.
+
+The surroundings light what stands beside the bake, so a preview needs their images. An image with a file on
+disk stays a link to it. One that is packed into the user's .blend would be in each object's preview again:
+it is written to the folder `preview-images` beside them instead, named after its content, and linked by a
+relative path. If the file that it was packed from is still there, unchanged, that is linked.
 """
 
 from __future__ import annotations
 
+import hashlib
 import logging
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import cast
+from typing import Any, cast
 
 import bpy
 
 from ..core.errors import BakeError
-from ..formats.disk.atomic import refusal, replacing
+from ..formats.disk.atomic import refusal, replacing, replacing_together
+from ..formats.disk.path_checks import render_path
 from ..scene.objects import is_linked
+from ..scene.render_settings import reset_render_settings
 from .linked import linked_homes_copied
-from .shared_images import packed_images_shared, relative_path
-from .trimmed_scene import trimmed_scene
+from .trimmed_scene import replaced, trimmed_scene
 
+FOLDER = "preview-images"  # beside the previews
+_LARGE = 1 << 16  # bytes: smaller ones stay packed
+_SUFFIXES = {"HDR": ".hdr", "OPEN_EXR": ".exr", "OPEN_EXR_MULTILAYER": ".exr", "JPEG": ".jpg", "TIFF": ".tif"}
 MATERIAL_PREFIX = "RadTex "  # prefix of the names of materials that show a bake
 
 _log = logging.getLogger(__name__)
+
+
+@contextmanager
+def packed_images_shared(images: Iterable[bpy.types.Image], folder: Path) -> Iterator[None]:
+    """Within the context, links to files replace the large packed ones of these images, for all users.
+
+    Files are written to FOLDER in `folder`, unless they are there. Images of several files (UDIM tiles,
+    views) and those of libraries stay as they are. Raises BakeError where the system refuses.
+    """
+    with ExitStack() as session:
+        for image in sorted(images, key=lambda image: image.name):
+            data = _packed_data(image)
+            if data is None:
+                continue
+            path = _source_of(image, data) or _stored(image, data, folder / FOLDER)
+            link = cast("bpy.types.Image", image.copy())
+            session.callback(bpy.data.images.remove, link)
+            link.unpack(method="REMOVE")
+            link.filepath_raw = path
+            session.enter_context(replaced(image, link))
+        yield
+
+
+def relative_path(path: str) -> str:
+    """The path relative to the open file, or as it is, on another Windows drive."""
+    try:
+        return bpy.path.relpath(bpy.path.abspath(path))
+    except ValueError:
+        return path
+
+
+def _packed_data(image: bpy.types.Image) -> bytes | None:
+    packed = image.packed_file
+    if packed is None or is_linked(image) or image.source != "FILE" or len(image.packed_files) != 1:
+        return None
+    return cast(bytes, cast(Any, packed).data) if packed.size >= _LARGE else None
+
+
+def _source_of(image: bpy.types.Image, data: bytes) -> str | None:
+    """The image's path if its file has this content."""
+    path = Path(bpy.path.abspath(image.filepath_raw)) if image.filepath_raw else None
+    try:
+        if path is None or not path.is_file() or path.stat().st_size != len(data):
+            return None
+        return image.filepath_raw if path.read_bytes() == data else None
+    except OSError:
+        return None
+
+
+def _stored(image: bpy.types.Image, data: bytes, folder: Path) -> str:
+    """The path of a file with this content, which is written if it is not there."""
+    named = Path(bpy.path.basename(image.filepath_raw) or image.name)
+    suffix = _SUFFIXES.get(image.file_format, f".{image.file_format.lower()}")
+    path = folder / f"{bpy.path.clean_name(named.stem)}-{hashlib.sha256(data).hexdigest()[:12]}{suffix}"
+    if not path.is_file() or path.stat().st_size != len(data):
+        with replacing(path) as beside:
+            beside.write_bytes(data)
+    return relative_path(str(path)) if bpy.data.filepath else str(path)
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,3 +250,26 @@ def images_of(tree: bpy.types.NodeTree | None) -> set[bpy.types.Image]:
         elif isinstance(node, bpy.types.ShaderNodeGroup):
             images |= images_of(node.node_tree)
     return images
+
+
+def render_picture(preview: Path, picture: Path, pixels: int = 512, samples: int = 32) -> None:
+    """Open the .blend `preview` in place of the open file, and render its camera's view as a PNG, `picture`.
+
+    Raises BakeError if Blender renders nothing.
+    """
+    bpy.ops.wm.open_mainfile(filepath=str(preview), load_ui=False, use_scripts=False)
+    scene: Any = bpy.context.scene
+    reset_render_settings(scene, graded=True)
+    render = scene.render
+    render.engine = "CYCLES"
+    scene.cycles.samples, scene.cycles.use_denoising = samples, False
+    render.resolution_x = render.resolution_y = pixels
+    if hasattr(render.image_settings, "media_type"):  # Blender 5: set before the format
+        render.image_settings.media_type = "IMAGE"
+    render.image_settings.file_format = "PNG"
+    with replacing_together(picture) as beside:
+        render.filepath = render_path(beside)
+        render.use_file_extension = False
+        bpy.ops.render.render(write_still=True)
+        if not beside.exists():
+            raise BakeError(f"Blender rendered no picture of {preview}")

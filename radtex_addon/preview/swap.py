@@ -31,12 +31,11 @@ from .hidden_objects import (
     restore_visibility,
 )
 from .light_linking import link_alike
+from .lit_material import follow_sun
 from .load import load_baked_meshes, remove_unused
 from .moved_preview import follow_preview, following, transform_record
 from .save import images_of
-from .show_layer import check_layer, show_layer
-from .sun import follow_sun
-from .variant import keep_variant
+from .variant import check_layer, keep_variant, show_layer
 
 ORIGINAL = "radtex_original"  # custom property of a copy: the object, and its visibility before
 _TRANSFORM = "transform"  # in that property: the transform that the copy began with

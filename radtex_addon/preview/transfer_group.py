@@ -1,17 +1,16 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`core.transfer.sample_transfer` as native shader nodes, alike in Eevee and Cycles: "RadTex Transfer"."""
+"""`core.sampler.sample_transfer` as native shader nodes, alike in Eevee and Cycles: "RadTex Transfer"."""
 
 from __future__ import annotations
 
 import bpy
 
 from ..core.atlas import AtlasLayout
-from ..core.transfer import with_views
+from ..core.sampler import with_views
 from ..scene.nodes import NodeBuilder, Socket, close_group, open_group
 from .node_group import FRAME, bucket_group, check_image, check_previewable, incidence_group, pixel_group
-from .octahedron_group import octahedron_group
-from .taps import bilinear, clamp, pair
+from .taps import bilinear, clamp, octahedron_group, pair
 
 
 def build_transfer_group(

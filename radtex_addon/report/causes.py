@@ -11,8 +11,8 @@ from enum import StrEnum
 
 import bpy
 
+from ..bake.progress import Stopwatch
 from ..bake.spec import BakeSpec
-from ..bake.stopwatch import Stopwatch
 from ..core.errors import InputError
 from ..formats.disk.temporary import temporary_folder
 from ..job import OutputFiles

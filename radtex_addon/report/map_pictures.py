@@ -10,8 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..core.arrays import Floats
-from ..core.map_picture import draw_map, island_colours
-from ..core.uv_map import UvMap
+from ..core.uv_map import UvMap, draw_map, island_colours
 from ..prepare.map_checks import why_wasteful
 from .gbuffer import BakedSurface, GBuffer
 from .views import View, seen

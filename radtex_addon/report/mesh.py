@@ -26,11 +26,11 @@ from ..core.gutter import LEAST_AGREEMENT, covered_in_coarser, gutter_agreement
 from ..core.messages import Setting, do
 from ..core.texel_map import covered_texels
 from ..prepare.detailed import Detailed, read_detailed
-from ..prepare.mesh_faults import all_once, find_once
+from ..prepare.faces import all_once, find_once
 from ..scene.mesh.backs import seen_from_behind, with_twins, with_twins_moved
 from ..scene.mesh.copy import baked_mesh, surface_mesh
 from ..scene.mesh.evaluated import EvaluatedMesh, evaluate
-from ..scene.mesh.numbered_materials import write_material_numbers
+from ..scene.mesh.materials import write_material_numbers
 from ..scene.preview_file import appended
 from ..scene.scratch import new_data_removed
 from ..scene.uv.unwrap import unwrap_steps

@@ -26,12 +26,10 @@ from .finished_bake import Finished, check_whole, object_of, read_bake
 from .judging import judge, mean_energy, mean_flip, mean_psnr, noise_floor
 from .map_pictures import map_pictures
 from .mesh import Found, find_mesh
-from .needs import check_judged
 from .page import Contents, page
-from .reference import reference_of
 from .report_progress import Step, Task
-from .sizes import gpu_bytes, sizes_of
-from .views import MOST_PIXELS, View, make_views
+from .sizes import check_judged, gpu_bytes, sizes_of
+from .views import MOST_PIXELS, View, make_views, reference_of
 
 _CHECKERS = 2  # views that also show the checker
 _LIMITS = {"views": (1, 64), "pixels": (16, MOST_PIXELS), "samples": (1, 2**24)}

@@ -3,13 +3,16 @@
 """Compare objects with their bakes from one view: a path-traced picture, one with the bakes, the difference.
 
 Cycles renders both in scratch scenes; afterwards the user's scene is as it was.
+
+The files are half-float EXRs of light, and the difference as a PNG.
 """
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterable, Iterator, Mapping
+import json
+from collections.abc import Generator, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import bpy
@@ -19,18 +22,23 @@ from ..core.errors import InputError
 from ..cycles.building_blocks import render_layers
 from ..cycles.capture_settings import apply_capture_settings, denoise, keep_passes
 from ..cycles.device import use_device
+from ..formats.containers.exr import Compression, read_render, stored_rows, write_rows
+from ..formats.containers.png import encode_png
+from ..formats.disk.atomic import replacing_together
 from ..formats.disk.path_checks import render_path
 from ..formats.disk.temporary import temporary_folder
+from ..formats.sidecar import safe_name
 from ..formats.sidecar_file import AnySidecar, SidecarFile, opened
 from ..preview.hidden_objects import check_hideable
 from ..preview.swap import copy_of, is_on, originals_rendered, switch_all_on, switch_off
 from ..scene.at_frame import at_frame
 from ..scene.scratch import scene_copied, scratch_scene
+from ..version import VERSION
 from .gbuffer import eroded
 from .metrics import Figures, Mask, Picture, compare, display
-from .needs import check_shown
 from .report_progress import Step, Task
 from .shown import frame_of
+from .sizes import check_shown
 from .viewpoint import Eye
 
 GAIN = 4  # the factor of the difference
@@ -173,3 +181,39 @@ def _rendered(
         passes = render_layers(scene, file)
     index = next(found for name, found in passes.raw.items() if name.endswith(("IndexOB", "Object Index")))
     return passes.whole[..., :3].astype(np.float64), index[..., 0].astype(np.float64)
+
+
+@dataclass(frozen=True)
+class ComparisonFiles:
+    """The pictures' paths: `traced` and `baked` are linear EXRs, `difference` is a PNG."""
+
+    traced: Path
+    baked: Path
+    difference: Path
+
+    @classmethod
+    def of(cls, folder: Path, names: Sequence[str]) -> ComparisonFiles:
+        """The files for the objects `names` in a folder: `<names>.traced.exr` and so on."""
+        name = safe_name("+".join(names))
+        return cls(
+            folder / f"{name}.traced.exr", folder / f"{name}.baked.exr", folder / f"{name}.difference.png"
+        )
+
+    @property
+    def all(self) -> tuple[Path, ...]:
+        return self.traced, self.baked, self.difference
+
+
+def write_comparison(found: Comparison, files: ComparisonFiles) -> None:
+    """Write the pictures; an earlier comparison's are replaced, all or none. Raises BakeError."""
+    with replacing_together(files.difference) as difference:
+        for path, picture in ((files.traced, found.traced), (files.baked, found.baked)):
+            rows, _ = stored_rows(path, picture, half=True)
+            facts = {"tool": f"RadTex {VERSION}", "picture": path.suffixes[-2][1:], **asdict(found.figures)}
+            write_rows(difference.with_name(path.name), rows, json.dumps(facts), Compression.ZIP)
+        difference.write_bytes(encode_png(found.difference[::-1]))
+
+
+def read_picture(path: Path) -> Picture:
+    """A picture (H, W, 3) of light, row 0 at the bottom. Raises FormatError."""
+    return read_render(path)[""].astype(np.float64)

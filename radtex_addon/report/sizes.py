@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The size of a bake: on disk, and on a GPU in the formats that a game would choose for its textures."""
+"""The size of a bake, on disk and on a GPU in the formats that games choose; and what showing it takes."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from math import ceil
 
@@ -11,12 +12,38 @@ import numpy as np
 
 from ..core.arrays import Floats
 from ..formats.containers.exr import read_pixels
+from ..formats.disk.memory import check_allowed
 from ..formats.image_files import Shapes
+from ..formats.sidecar_file import AnySidecar, opened
+from ..forms import form_in
 from .finished_bake import Finished
 
+_JUDGED = 16  # bytes per pixel while a report reads the images
+_SHOWN = 28  # bytes per pixel in Blender and Cycles together
 _HALF_PIXEL = 8  # bytes: four half floats, as GPUs have no format of three
 _SHARED_EXPONENT_PIXEL = 4  # RGB9E5
 _BLOCK, _BLOCK_SIDE = 16, 4  # BC6H: bytes of a block of 4 x 4 pixels
+
+
+def check_judged(sidecar: AnySidecar, allowed_mb: int | None) -> None:
+    """Make sure that a report fits into memory. Raises as `check_allowed` does, and FormatError."""
+    file = opened(sidecar)
+    needed = _pixels(file) * _JUDGED
+    check_allowed(f"a report on {sidecar}", needed, allowed_mb)
+
+
+def check_shown(sidecars: Iterable[AnySidecar], allowed_mb: int | None) -> None:
+    """Make sure that a render of bakes fits into memory. Raises as `check_allowed` does, and FormatError."""
+    named = tuple(sidecars)
+    needed = sum(_pixels(sidecar) for sidecar in named) * _SHOWN
+    check_allowed(f"a picture of {', '.join(map(str, named))}", needed, allowed_mb)
+
+
+def _pixels(sidecar: AnySidecar) -> int:
+    """The number of pixels in a bake's images, without its extra layers."""
+    file = opened(sidecar)
+    shapes = form_in(file.facts).shapes(file)
+    return sum(width * height for width, height, _ in shapes.values())
 
 
 @dataclass(frozen=True)

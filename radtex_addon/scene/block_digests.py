@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The settings of materials, lights and worlds as text, with their node groups, images and scripts.
+"""Materials, lights, worlds, their node groups, images and files, as text and as digests.
 
 Names of data-blocks, what only editors and the viewport show, and settings of other add-ons are left out.
 """
@@ -8,17 +8,21 @@ Names of data-blocks, what only editors and the viewport show, and settings of o
 from __future__ import annotations
 
 import hashlib
+import os
 import warnings
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import bpy
 import numpy as np
 
-from ..core.near_digest import DIGEST
-from .content_digests import file_digest, image_contents
+from ..core.near_digest import DIGEST, hash_of
+from ..formats.disk.regular import open_regular
 
+_WHOLE = 64 << 20  # bytes: of larger files only evenly spaced slices are read
+_SLICES = 64
 _DEPTH = 4  # levels of settings within settings, such as the points of a curve
 _CYCLES = "cycles"  # the one group of settings that an add-on registers and that renders go by
 # Properties that do not change renders.
@@ -76,6 +80,11 @@ _IDLE_OF_NODES = _IDLE | {
     "width",
     "width_hidden",
 }
+
+
+def digest_of(texts: Iterable[str]) -> str:
+    """One digest of texts in this order."""
+    return DIGEST + hash_of(texts)
 
 
 def block_settings(block: bpy.types.ID | None) -> Iterator[str]:
@@ -190,10 +199,36 @@ def setting(value: Any) -> Any:
         return str(type(value))
 
 
-def digest_of(texts: Iterable[str]) -> str:
-    """One digest of texts in this order."""
-    state = hashlib.sha256()
-    for text in texts:
-        state.update(text.encode("utf-8", "surrogateescape"))
-        state.update(b"\0")
-    return DIGEST + state.hexdigest()
+def file_digest(path: Path) -> str:
+    """Digest of a file's size and contents (of large files only slices); "" if it cannot be read."""
+    with suppress(OSError), open_regular(path) as file:
+        size = os.fstat(file.fileno()).st_size
+        state = hashlib.sha256(str(size).encode())
+        for start, length in _slices(size):
+            file.seek(start)
+            state.update(file.read(length))
+        return DIGEST + state.hexdigest()
+    return ""
+
+
+def image_contents(image: Any) -> str:
+    """Digests of the pixels of a `bpy.types.Image`: painted and not saved, packed, or in its files."""
+    if image.is_dirty and image.source in {"FILE", "GENERATED"} and image.size[0]:
+        pixels = np.empty(image.size[0] * image.size[1] * image.channels, dtype=np.float32)
+        image.pixels.foreach_get(pixels)
+        return DIGEST + hashlib.sha256(pixels.tobytes()).hexdigest()
+    packed = [file.packed_file.data for file in image.packed_files if file.packed_file]
+    if packed:
+        return " ".join(hashlib.sha256(data).hexdigest() for data in packed)
+    path = bpy.path.abspath(image.filepath, library=image.library)
+    numbers = [str(tile.number) for tile in image.tiles] if image.source == "TILED" else [""]
+    return " ".join(file_digest(Path(path.replace("<UDIM>", number))) for number in numbers)
+
+
+def _slices(size: int) -> Iterator[tuple[int, int]]:
+    if size <= _WHOLE:
+        yield 0, size
+        return
+    length = _WHOLE // _SLICES
+    for number in range(_SLICES):
+        yield (size - length) * number // (_SLICES - 1), length

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Find the object to bake, and explain why an object cannot be baked."""
+"""Find the object to bake, explain why an object cannot be baked, and say where it is."""
 
 from __future__ import annotations
 
@@ -9,7 +9,9 @@ from collections.abc import Iterable, Iterator
 from typing import Any, cast
 
 import bpy
+import numpy as np
 
+from ..core.arrays import Floats
 from ..core.errors import InputError
 from .mesh.copy import SHOWN
 from .scratch import find_view_layer
@@ -161,3 +163,28 @@ def _curves(action: bpy.types.Action | None, slot: bpy.types.ActionSlot | None) 
             bag = cast("bpy.types.ActionKeyframeStrip", strip).channelbag(slot)
             if bag is not None:
                 yield from bag.fcurves
+
+
+def world_box(item: Any, matrix_world: Any) -> tuple[Floats, Floats]:
+    """The least and the greatest coordinates, (3,) each, of the corners of an object's box under a matrix."""
+    matrix = np.array(matrix_world)
+    corners = np.array(item.bound_box) @ matrix[:3, :3].T + matrix[:3, 3]
+    return corners.min(axis=0), corners.max(axis=0)
+
+
+def about_matrix(item: bpy.types.Object, layer: bpy.types.ViewLayer) -> Floats:
+    """An object's matrix (4, 4), from object to world, where no render may be made to ask for it.
+
+    Blender does not evaluate for a viewport what is hidden there (the monitor icon), and leaves its
+    `matrix_world` as it was: then it is the object's own transform and its parents', constraints left out.
+    """
+    graph = layer.depsgraph
+    if graph is not None and cast(Any, item.evaluated_get(graph)).is_evaluated:
+        return np.array(item.matrix_world, dtype=np.float64)
+    own = np.array(item.matrix_basis, dtype=np.float64)
+    if item.parent is None:
+        return own
+    placed: Floats = (
+        about_matrix(item.parent, layer) @ np.array(item.matrix_parent_inverse, dtype=np.float64) @ own
+    )
+    return placed

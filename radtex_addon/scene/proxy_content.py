@@ -12,9 +12,8 @@ import numpy as np
 
 from ..core.arrays import Floats
 from ..core.errors import InputError
-from .objects import is_rendered
+from .objects import about_matrix, is_rendered, world_box
 from .regroup import regroup
-from .world_box import about_matrix, world_box
 
 _UNSEEN = ("LIGHT", "LIGHT_PROBE", "CAMERA", "SPEAKER", "ARMATURE", "LATTICE")
 EVERYTHING = "*"  # as a hull's content: all objects but the hull

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The specification of an export: the target, and how its textures are stored."""
+"""The specification of an export: the target, and how its textures are stored; and its progress."""
 
 from __future__ import annotations
 
@@ -116,3 +116,21 @@ class ExportSpec:
     def most_pixels(self) -> int:
         """The most pixels along a texture's side."""
         return self.limit or _LIMITS.get(self.target, MOST_PIXELS)
+
+
+class Task(StrEnum):
+    """The tasks of an export, in order."""
+
+    TEXTURES = "textures"
+    FLAT = "flat"
+    MESH = "mesh"
+    PACK = "pack"
+
+
+@dataclass(frozen=True)
+class Step:
+    """`done` of `total` units of a task are finished."""
+
+    stage: Task
+    done: int
+    total: int

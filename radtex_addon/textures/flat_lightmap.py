@@ -15,9 +15,8 @@ from ..core.arrays import Bools, Floats
 from ..core.atlas import AtlasLayout
 from ..core.errors import FormatError
 from ..core.gutter import LEAST_AGREEMENT, gutter_agreement
-from ..core.hemisphere import equisolid_inverse
+from ..core.hemisphere import cell_solid_angles_sr, equisolid_inverse
 from ..core.messages import Setting, do
-from ..core.solid_angle import cell_solid_angles_sr
 from ..formats.codecs.srgb import to_srgb
 from ..formats.containers.exr import loss_of, stored_compression
 from ..formats.containers.png import encode_png

@@ -8,12 +8,10 @@ from dataclasses import replace
 from functools import cache, partial
 from pathlib import Path
 
+from ..core.arrangements import Pages, check_slices, fitting_levels, fitting_pages
 from ..core.atlas import AtlasLayout
 from ..core.errors import InputError
-from ..core.levels import fitting_levels
-from ..core.pages import Pages, fitting_pages
-from ..core.slices import check_slices
-from ..formats.containers.image_rows import ImageRows
+from ..formats.containers.exr_rows import ImageRows
 from ..formats.containers.texture import MOST_PIXELS, Form, most_levels
 from ..formats.containers.texture_file import texture_file
 from .choice import (

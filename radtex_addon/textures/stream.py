@@ -9,13 +9,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..core.arrangements import Pages, RowChain, bucket_halving, image_halving, pad, padded_layout, to_slices
 from ..core.arrays import Floats
 from ..core.atlas import AtlasLayout
-from ..core.levels import bucket_halving, pad, padded_layout
-from ..core.pages import Pages
-from ..core.row_chain import RowChain
-from ..core.slices import image_halving, to_slices
-from ..formats.containers.image_rows import ImageRows
+from ..formats.containers.exr_rows import ImageRows
 from ..formats.containers.texture_file import TextureFile
 
 

@@ -11,9 +11,9 @@ from pathlib import Path
 
 import numpy as np
 
+from ..core.arrangements import Pages
 from ..core.arrays import Floats
 from ..core.messages import Message
-from ..core.pages import Pages
 from ..formats.containers.dds import write_texture
 from ..formats.containers.ktx2 import write_ktx2
 from ..formats.containers.texture import Encoded, PixelFormat, Texture, encode_texture

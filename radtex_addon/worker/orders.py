@@ -16,9 +16,9 @@ from ..bake.spec_facts import as_json, facts_of
 from ..core.sampler import Filter
 from ..job.variants import Bake, variant_of
 from ..report.report_progress import Task
-from ..textures.export_progress import Step as ExportStep
-from ..textures.export_progress import Task as ExportTask
 from ..textures.export_spec import ExportSpec, Target
+from ..textures.export_spec import Step as ExportStep
+from ..textures.export_spec import Task as ExportTask
 from .order import Handover, Order, Work, parts
 
 if TYPE_CHECKING:

@@ -14,8 +14,7 @@ import pytest
 from radtex_addon.bake import bands as module
 from radtex_addon.bake.bands import find_bands
 from radtex_addon.bake.cells import Cells
-from radtex_addon.bake.filling import fill_missing
-from radtex_addon.bake.hidden_cells import HiddenCells
+from radtex_addon.bake.hidden_cells import HiddenCells, fill_missing
 from radtex_addon.bake.piece_store import MemoryStore, PieceStore
 from radtex_addon.bake.plan import CapturePlan, Tile, plan_capture
 from radtex_addon.bake.progress import finished

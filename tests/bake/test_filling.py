@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from radtex_addon.bake.filling import fill_missing
+from radtex_addon.bake.hidden_cells import fill_missing
 from radtex_addon.core.arrays import Bools, Floats
 
 

@@ -10,11 +10,10 @@ import numpy as np
 import pytest
 
 from radtex_addon.bake import session
-from radtex_addon.bake.capture import Capture
 from radtex_addon.bake.hidden_cells import HiddenCells
 from radtex_addon.bake.plan import CapturePlan, Tile, plan_capture
 from radtex_addon.bake.progress import Progress, Stage, finished
-from radtex_addon.bake.session import BYTES_PER_PIXEL, fill_atlas
+from radtex_addon.bake.session import BYTES_PER_PIXEL, Capture, fill_atlas
 from radtex_addon.core.arrays import Bools, Floats
 from radtex_addon.core.errors import BakeError
 from radtex_addon.core.hemisphere import direction_to_square

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from radtex_addon.bake import memory_limits
+from radtex_addon.bake import cost
+from radtex_addon.bake.cost import check_memory
 from radtex_addon.bake.layers import LIGHT, Layer, captured, split_layers
-from radtex_addon.bake.memory_limits import check_memory
 from radtex_addon.bake.spec import (
     BakeSpec,
     CaptureMethod,
@@ -62,7 +62,7 @@ def test_a_number_out_of_bounds_is_named_with_its_bounds(name: str, value: objec
 def test_an_image_beyond_blenders_limit_is_refused_and_less_is_streamed(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(memory_limits, "physical_memory", lambda: None)
+    monkeypatch.setattr(cost, "physical_memory", lambda: None)
     assert "makes 65544 pixels a side, 65536 is the most" in refusal(texels=8193, bucket=8)
     assert BakeSpec(texels=8192, bucket=8).pixels_a_side == 65536
     assert BakeSpec(texels=2048, bucket=16, memory_mb=2048).streams
@@ -73,7 +73,7 @@ def test_an_image_beyond_blenders_limit_is_refused_and_less_is_streamed(
 
 
 def test_an_atlas_beyond_the_memory_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(memory_limits, "physical_memory", lambda: 2**30)
+    monkeypatch.setattr(cost, "physical_memory", lambda: 2**30)
     needs = "a side of 4096 texels with 8 cells needs 4.3 GiB of memory"
     expected = f"{needs}, this machine has 1.0 GiB: lower one of them"
     assert refusal(texels=4096, bucket=8) == expected
@@ -86,7 +86,7 @@ def test_an_atlas_beyond_the_memory_is_refused(monkeypatch: pytest.MonkeyPatch) 
 def test_a_bake_beyond_the_memory_that_is_allowed_is_refused(
     other: dict[str, object], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(memory_limits, "physical_memory", lambda: None)
+    monkeypatch.setattr(cost, "physical_memory", lambda: None)
     said = refusal(texels=512, memory_mb=64, **other)
     assert "of memory beside the scene, 64 MiB are allowed: allow more, or lower one" in said
 

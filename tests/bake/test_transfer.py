@@ -15,7 +15,7 @@ from radtex_addon.bake.transfer_buckets import fit_buckets, sun_directions, sun_
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.frame import orthonormal_frame, to_frame
-from radtex_addon.core.transfer import lookup_solid_angles_sr
+from radtex_addon.core.sampler import lookup_solid_angles_sr
 from tests.reference.relighting import sample_transfer
 
 CELLS, TEXELS = 9, 40

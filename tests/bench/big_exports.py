@@ -28,7 +28,7 @@ import numpy as np
 from radtex_addon.bake.progress import finished
 from radtex_addon.core.arrays import Floats
 from radtex_addon.formats.containers.exr import Compression
-from radtex_addon.formats.containers.exr_bands import BandWriter
+from radtex_addon.formats.containers.exr_rows import BandWriter
 from radtex_addon.formats.disk.memory import readable_size
 from radtex_addon.formats.sidecar import read_sidecar, write_sidecar
 from radtex_addon.textures.export_spec import ExportSpec, Target, TextureFormat

@@ -24,7 +24,7 @@ if __name__ == "__main__":  # before Blender starts: no user's history
 
 import bpy
 
-from radtex_addon.bake import stopwatch
+from radtex_addon.bake import progress
 from radtex_addon.bake.estimate import START, estimate
 from radtex_addon.core.sampler import Filter
 from radtex_addon.job import bake_object
@@ -185,7 +185,7 @@ def main() -> None:
     parser.add_argument("--cpu", action="store_true")
     options = parser.parse_args()
     if options.cpu:
-        stopwatch.perf_counter = cpu_seconds  # type: ignore[attr-defined]
+        progress.perf_counter = cpu_seconds  # type: ignore[attr-defined]
     with tempfile.TemporaryDirectory() as temporary:
         found = []
         for scene in options.scene or SCENES:

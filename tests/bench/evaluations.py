@@ -22,9 +22,8 @@ from typing import Any, TypeAlias
 import bpy
 
 from radtex_addon.core.near_digest import NearDigest
-from radtex_addon.farm.render_digests import looks_of
-from radtex_addon.scene.digests import mesh_digest, scene_digests
-from radtex_addon.scene.fingerprints import read_scene
+from radtex_addon.scene.digests import looks_of, read_scene, scene_digests
+from radtex_addon.scene.geometry_digests import mesh_digest
 from radtex_addon.scene.mesh.evaluated import evaluate
 from radtex_addon.scene.scratch import scratch_scene
 from tests.blender.modifier_stacks import STACKS, add_stack

@@ -21,10 +21,9 @@ import moderngl
 import numpy as np
 from PIL import Image
 
+from radtex_addon.core.arrangements import fitting_levels, to_slices
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
-from radtex_addon.core.levels import fitting_levels
-from radtex_addon.core.slices import to_slices
 from radtex_addon.formats.containers.exr import read_atlas
 from radtex_addon.report.finished_bake import find_bake, read_bake
 from radtex_addon.report.metrics import Mask, Picture, display, psnr

@@ -22,9 +22,9 @@ import bpy
 import numpy as np
 import zstandard
 
+from radtex_addon.core.arrangements import fitting_levels
 from radtex_addon.core.arrays import Bools, Floats
 from radtex_addon.core.atlas import AtlasLayout
-from radtex_addon.core.levels import fitting_levels
 from radtex_addon.formats.codecs.rgb9e5 import encode_rgb9e5
 from radtex_addon.formats.containers.exr import read_atlas
 from radtex_addon.report.finished_bake import find_bake, read_bake

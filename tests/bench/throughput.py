@@ -24,7 +24,8 @@ import numpy as np
 from mathutils import Vector
 
 from radtex_addon.bake.plan import CapturePlan, Tile, plan_capture
-from radtex_addon.bake.spec import BakeSpec, Kind
+from radtex_addon.bake.progress import finished
+from radtex_addon.bake.spec import BakeSpec, Kind, Unwrap
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.texel_map import rasterise
 from radtex_addon.cycles.capture_settings import apply_capture_settings
@@ -36,7 +37,7 @@ from radtex_addon.scene.mesh.copy import UV_LAYER, baked_mesh, surface_mesh
 from radtex_addon.scene.mesh.evaluated import evaluate
 from radtex_addon.scene.objects import find_object
 from radtex_addon.scene.scratch import scratch_scene
-from radtex_addon.scene.uv.unwrap import unwrap_xatlas
+from radtex_addon.scene.uv.unwrap import unwrap_steps
 
 BUCKET, SAMPLES = 8, 16
 
@@ -71,7 +72,7 @@ def _demo(levels: int = 2) -> bpy.types.Scene:
 def _plan(scene: bpy.types.Scene, texels: int) -> CapturePlan:
     with scratch_scene(scene) as scratch:
         evaluated = evaluate(scratch, find_object(scratch, OBJECT))
-        unwrapped = unwrap_xatlas(evaluated, texels)
+        unwrapped = finished(unwrap_steps(evaluated, texels, Unwrap.XATLAS))
         surface = surface_mesh(evaluated, baked_mesh(evaluated, unwrapped.uv), UV_LAYER)
     return plan_capture(rasterise(surface, unwrapped.width, unwrapped.height), BUCKET)
 

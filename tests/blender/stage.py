@@ -11,17 +11,28 @@ import bpy
 import numpy as np
 
 from radtex_addon.bake.plan import CapturePlan
+from radtex_addon.bake.progress import finished
+from radtex_addon.bake.spec import Unwrap
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.frame import orthonormal_frame
 from radtex_addon.scene.mesh.evaluated import EvaluatedMesh, evaluate
 from radtex_addon.scene.scratch import scratch_scene
+from radtex_addon.scene.uv.unwrap import unwrap_steps
+from radtex_addon.scene.uv.unwrap_options import UnwrapOptions, Unwrapped
 
 
 def read(item: Any) -> EvaluatedMesh:
     """An object's mesh as a bake evaluates it."""
     with scratch_scene(cast(bpy.types.Scene, bpy.context.scene)) as scratch:
         return evaluate(scratch, item)
+
+
+def unwrapped(
+    mesh: EvaluatedMesh, texels: int, options: UnwrapOptions | None = None, method: Unwrap = Unwrap.XATLAS
+) -> Unwrapped:
+    """The mesh's unwrap, without progress."""
+    return finished(unwrap_steps(mesh, texels, method, options))
 
 
 def material(name: str, shader: str, **inputs: object) -> bpy.types.Material:

@@ -25,7 +25,7 @@ from radtex_addon.cycles.portal import PortalCapture
 from radtex_addon.formats.containers.exr import read_atlas
 from radtex_addon.forms.buckets import bake as buckets
 from radtex_addon.forms.layered.files.layered_files import read_layered
-from radtex_addon.preview.picture import render_picture
+from radtex_addon.preview.save import render_picture
 from tests.blender import stage
 from tests.blender.batch_process import BAKE, Batch, process, refusal
 from tests.blender.unfinished import take_pieces

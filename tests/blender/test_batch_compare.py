@@ -14,8 +14,7 @@ import pytest
 
 from radtex_addon.cli.compare_arguments import parse_compare
 from radtex_addon.core.errors import InputError
-from radtex_addon.report.comparison_files import read_picture
-from radtex_addon.report.side_by_side import ComparisonSpec, difference
+from radtex_addon.report.side_by_side import ComparisonSpec, difference, read_picture
 from tests.blender import stage
 from tests.blender.batch_process import Batch, refusal
 from tests.blender.test_swap import GLOW, PLAIN, bake_of, ball

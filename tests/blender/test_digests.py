@@ -12,8 +12,8 @@ import bpy
 import numpy as np
 import pytest
 
-from radtex_addon.scene import content_digests
-from radtex_addon.scene.content_digests import file_digest
+from radtex_addon.scene import block_digests
+from radtex_addon.scene.block_digests import file_digest
 from radtex_addon.scene.digests import scene_digests
 from radtex_addon.scene.scratch import scratch_scene
 from tests.blender import stage
@@ -151,7 +151,7 @@ def test_what_does_not_matter_is_not_noticed() -> None:
 
 @pytest.mark.one_blender
 def test_a_large_file_is_read_in_part(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(content_digests, "_WHOLE", 64 * 10)
+    monkeypatch.setattr(block_digests, "_WHOLE", 64 * 10)
     path = tmp_path / "large"
     content = np.random.default_rng(1).bytes(5000)
     path.write_bytes(content)

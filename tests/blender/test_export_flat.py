@@ -14,8 +14,7 @@ from PIL import Image
 from radtex_addon.bake.progress import finished
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
-from radtex_addon.core.hemisphere import cell_centres, square_to_direction
-from radtex_addon.core.solid_angle import cell_solid_angles_sr
+from radtex_addon.core.hemisphere import cell_centres, cell_solid_angles_sr, square_to_direction
 from radtex_addon.core.surface import SurfaceMesh
 from radtex_addon.core.texel_map import TexelMap, rasterise
 from radtex_addon.formats.codecs.srgb import to_srgb

@@ -21,15 +21,13 @@ from radtex_addon.bake.progress import finished
 from radtex_addon.bake.spec import BakeSpec, Kind
 from radtex_addon.cli import main as batch_module
 from radtex_addon.core.errors import InputError
-from radtex_addon.core.sampler import Filter
-from radtex_addon.core.transfer import mean_over_lights
+from radtex_addon.core.sampler import Filter, mean_over_lights
 from radtex_addon.export.export_manifest import read_manifest
 from radtex_addon.export.exporting import export_steps
 from radtex_addon.export.folder import files_in
-from radtex_addon.export.godot_addon import LOOKUPS
+from radtex_addon.export.write_godot import LOOKUPS
 from radtex_addon.formats.codecs.srgb import to_srgb
 from radtex_addon.formats.containers.glb import Glb
-from radtex_addon.formats.containers.ktx2 import read_ktx2
 from radtex_addon.formats.containers.texture import PixelFormat
 from radtex_addon.formats.shadow_files import read_shadow_of
 from radtex_addon.formats.transfer_files import read_transfer
@@ -39,6 +37,7 @@ from radtex_addon.textures.entry import Arranged, Container
 from radtex_addon.textures.export_spec import ExportSpec, Target, TextureFormat
 from tests.blender import stage
 from tests.blender.batch_process import Outcome, refusal
+from tests.reference.textures import read_ktx2
 
 pytestmark = pytest.mark.one_blender
 context: Any = bpy.context  # to the stubs, every pointer may be None

@@ -14,9 +14,9 @@ import bpy
 import pytest
 
 from radtex_addon.core.errors import InputError
-from radtex_addon.farm import carried
+from radtex_addon.farm import self_contained
 from radtex_addon.farm.self_contained import pack_files
-from radtex_addon.scene.checks.outside import check_outside_files
+from radtex_addon.scene.checks.file_checks import check_outside_files
 from tests.blender import stage
 
 pytestmark = pytest.mark.one_blender
@@ -100,7 +100,7 @@ def test_what_is_too_large_does_not_travel(
 ) -> None:
     path = tmp_path / "large"
     path.write_bytes(head)
-    os.truncate(path, carried.MOST_BESIDE + 1)  # sparse
+    os.truncate(path, self_contained.MOST_BESIDE + 1)  # sparse
     name_it(path)
     with pytest.raises(
         InputError, match=r"has 16\.0 GiB, and \S+ GiB are the most that travel: make it smaller"
@@ -110,7 +110,7 @@ def test_what_is_too_large_does_not_travel(
 
 
 def test_all_files_together_are_bounded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(carried, "MOST", 20)
+    monkeypatch.setattr(self_contained, "MOST", 20)
     for name in ("One", "Two"):
         (tmp_path / name).write_bytes(b" BDV\0\0\0\0" + bytes(4))
         bpy.data.volumes.new(name).filepath = str(tmp_path / name)

@@ -20,11 +20,11 @@ from radtex_addon.bake.progress import finished
 from radtex_addon.export.exporting import export_steps
 from radtex_addon.export.gltf import EXTENSION, extension_in
 from radtex_addon.formats.containers.glb import Glb
-from radtex_addon.formats.containers.ktx2 import read_ktx2
 from radtex_addon.formats.containers.texture import PixelFormat
 from radtex_addon.textures.entry import Arranged, Container
 from tests.blender.every_kind import EXPORTS, bake_every_kind
 from tests.gltf_schema import BAKE, EXTENSION_FOLDER, TEXTURE, extensions_of, problems, schemas
+from tests.reference.textures import read_ktx2
 
 README = (EXTENSION_FOLDER / "README.md").read_text(encoding="utf-8")
 EXAMPLE = EXTENSION_FOLDER / "example" / "Ball.glb"

@@ -24,7 +24,7 @@ from radtex_addon.core.errors import BakeError, InputError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.cycles import portal
 from radtex_addon.cycles.portal import PortalCapture
-from radtex_addon.formats.containers import exr_bands
+from radtex_addon.formats.containers import exr_rows
 from radtex_addon.formats.containers.exr import read_atlas
 from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.forms.buckets import bake as buckets
@@ -419,7 +419,7 @@ def test_an_atlas_never_lies_beside_another_ones_sidecar(out: Path, monkeypatch:
     def full(*_: object) -> None:
         raise OSError("the disk is full")
 
-    monkeypatch.setattr(exr_bands.BandWriter, "write", full)
+    monkeypatch.setattr(exr_rows.BandWriter, "write", full)
     with pytest.raises(BakeError, match="full"):
         bake("Card", BakeSpec(texels=4, bucket=2, samples=1), out, overwrite=True)
     assert take_pieces(out)

@@ -26,8 +26,7 @@ from radtex_addon.forms.layered.lookup.environment import MOST_LAMPS
 from radtex_addon.forms.layered.shader_values import definitions
 from radtex_addon.job import bake_object
 from radtex_addon.prepare.unwrapping import Unwraps
-from radtex_addon.scene.lights.lamps import each_light
-from radtex_addon.scene.lights.put_out import lit_by_lamps_alone
+from radtex_addon.scene.lights.lamps import each_light, lit_by_lamps_alone
 from radtex_addon.scene.scratch import scratch_scene
 from tests.blender import stage
 from tests.blender.batch_process import Batch

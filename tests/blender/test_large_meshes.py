@@ -15,10 +15,10 @@ from radtex_addon.bake.progress import Progress, finished, relayed
 from radtex_addon.bake.spec import Unwrap
 from radtex_addon.core.arrays import Floats, Ints
 from radtex_addon.core.islands import signed_areas, surface_areas, uv_islands, weld
-from radtex_addon.scene.mesh import backs, tangents
+from radtex_addon.scene.mesh import backs, copy
 from radtex_addon.scene.mesh.backs import seen_from_behind, seen_from_behind_steps
+from radtex_addon.scene.mesh.copy import calc_tangents
 from radtex_addon.scene.mesh.evaluated import EvaluatedMesh, evaluate
-from radtex_addon.scene.mesh.tangents import calc_tangents
 from radtex_addon.scene.mesh.triangle_tree import triangle_tree
 from radtex_addon.scene.scratch import scratch_scene
 from radtex_addon.scene.uv import flatten_in_parts, unwrap_options
@@ -114,7 +114,7 @@ def head() -> tuple[Any, Floats, Ints, Floats, Floats]:
 
 @pytest.mark.parametrize("most", [60, 500, 10_000])
 def test_they_are_blenders(monkeypatch: pytest.MonkeyPatch, most: int) -> None:
-    monkeypatch.setattr(tangents, "_ALONE", most)
+    monkeypatch.setattr(copy, "_ALONE", most)
     mesh, position, triangles, normal, uv = head()
     before = len(bpy.data.meshes)
     tangent, sign = calc_tangents(position, triangles, normal, uv)

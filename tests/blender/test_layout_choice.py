@@ -12,7 +12,7 @@ from typing import Any
 import bpy
 import pytest
 
-from radtex_addon.bake import memory_limits
+from radtex_addon.bake import cost
 from radtex_addon.bake.spec import BakeSpec, Compression, Kind, Layer, Layout, Split
 from radtex_addon.cli.arguments import parse
 from radtex_addon.core.errors import InputError
@@ -163,7 +163,7 @@ def test_the_machine_has_no_say(card: Any, monkeypatch: pytest.MonkeyPatch) -> N
     """One with little memory refuses what it cannot, and says which way there is; it chooses nothing else."""
     answers = {}
     for memory in (2**32, 2**36, None):
-        monkeypatch.setattr(memory_limits, "physical_memory", lambda memory=memory: memory)
+        monkeypatch.setattr(cost, "physical_memory", lambda memory=memory: memory)
         for line in LINES:
             if (memory, line) == (2**32, "--texels 640"):
                 with pytest.raises(

@@ -18,8 +18,8 @@ import pytest
 from radtex_addon.bake.spec import BakeSpec, Unwrap
 from radtex_addon.bake.thumbnail import Thumbnail
 from radtex_addon.cli.wording import worded
-from radtex_addon.core.map_picture import island_colours
 from radtex_addon.core.messages import Message
+from radtex_addon.core.uv_map import island_colours
 from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.job import bake_object
 from radtex_addon.report.gbuffer import BakedSurface, Rays

@@ -15,8 +15,8 @@ import pytest
 from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.arrays import Bools, Floats, Ints
 from radtex_addon.core.errors import InputError
+from radtex_addon.formats.bucket_files import read_counts
 from radtex_addon.formats.containers.exr import read_buckets
-from radtex_addon.formats.sample_counts import read_counts
 from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.forms.buckets import bake as buckets
 from radtex_addon.job import bake_object

@@ -20,8 +20,8 @@ from radtex_addon.core.sampler import Filter
 from radtex_addon.formats.containers.exr import read_buckets, read_render
 from radtex_addon.formats.shadow_files import read_shadow_of
 from radtex_addon.job import BakeResult, bake_object
-from radtex_addon.preview.picture import render_picture
-from radtex_addon.preview.sun import DIRECTION
+from radtex_addon.preview.lit_material import DIRECTION
+from radtex_addon.preview.save import render_picture
 from radtex_addon.scene.mesh.watertight import is_closed
 from tests.blender import stage
 from tests.reference.shadows import visibility

@@ -19,8 +19,7 @@ from radtex_addon.core.errors import BakeError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.preview import save
 from radtex_addon.preview.material import preview_material
-from radtex_addon.preview.save import StandIn, save_preview
-from radtex_addon.preview.shared_images import FOLDER
+from radtex_addon.preview.save import FOLDER, StandIn, save_preview
 from radtex_addon.scene.nodes import open_material, open_world
 from tests.blender.lookup_stage import ENGINES, add_camera_above, render_exr, set_up_render, write_exr
 from tests.lookups import LAYOUT

@@ -19,7 +19,7 @@ from radtex_addon.core.sampler import Filter
 from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.formats.sidecar import Content, read_sidecar
 from radtex_addon.job import bake_object
-from radtex_addon.preview.picture import render_picture
+from radtex_addon.preview.save import render_picture
 from radtex_addon.preview.swap import copy_of, originals_rendered, switch_off, switch_on
 from tests.blender import stage
 from tests.blender.fingerprint import differences, fingerprint

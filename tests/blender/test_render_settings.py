@@ -17,7 +17,7 @@ from radtex_addon.bake.progress import finished
 from radtex_addon.bake.spec import BakeSpec, Kind, Layout
 from radtex_addon.core.sampler import Filter
 from radtex_addon.job import bake_object
-from radtex_addon.preview.picture import render_picture
+from radtex_addon.preview.save import render_picture
 from radtex_addon.report.report_bake import ReportSpec, report_steps
 from radtex_addon.scene.render_settings import (
     KEPT_OF_CYCLES,

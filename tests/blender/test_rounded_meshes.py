@@ -21,12 +21,12 @@ from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.near_digest import NearDigest
 from radtex_addon.core.sampler import Filter
-from radtex_addon.farm.render_digests import differing, looks_of
 from radtex_addon.job import bake_object, bake_steps
 from radtex_addon.job.bake_fingerprint import read_now
 from radtex_addon.job.changed_bakes import BakeState, Changes, changes
 from radtex_addon.prepare.unwrapping import Unwraps
-from radtex_addon.scene.digests import mesh_digest, scene_digests
+from radtex_addon.scene.digests import differing, looks_of, scene_digests
+from radtex_addon.scene.geometry_digests import mesh_digest
 from radtex_addon.scene.mesh.evaluated import evaluate
 from radtex_addon.scene.scratch import scratch_scene
 from radtex_addon.worker.handover import hand_over

@@ -25,7 +25,6 @@ from radtex_addon.scene.mesh.copy import (
     surface_mesh,
 )
 from radtex_addon.scene.mesh.evaluated import EvaluatedMesh
-from radtex_addon.scene.uv.unwrap import unwrap_xatlas
 from tests.blender import stage
 from tests.blender.fingerprint import differences, fingerprint
 from tests.blender.stage import read
@@ -257,7 +256,7 @@ def test_the_original_is_not_written() -> None:
     item.modifiers.new("bevel", "BEVEL")
     before = fingerprint()
     evaluated = read(item)
-    mesh = baked_mesh(evaluated, unwrap_xatlas(evaluated, 64).uv)
+    mesh = baked_mesh(evaluated, stage.unwrapped(evaluated, 64).uv)
     copy = copy_object(item, mesh)
     bpy.data.objects.remove(copy)
     bpy.data.meshes.remove(mesh)

@@ -13,11 +13,11 @@ from typing import Any, cast
 import bpy
 import pytest
 
+from radtex_addon.bake.spec import Unwrap
 from radtex_addon.core.errors import InputError
 from radtex_addon.scene.mesh.copy import baked_mesh, copy_object, surface_mesh
 from radtex_addon.scene.mesh.evaluated import evaluate
 from radtex_addon.scene.scratch import scene_copied, scratch_scene
-from radtex_addon.scene.uv.unwrap import unwrap_blender, unwrap_xatlas
 from tests.blender import stage
 from tests.blender.conftest import PlannedError
 from tests.blender.fingerprint import differences, fingerprint
@@ -29,8 +29,8 @@ context: Any = bpy.context  # to the stubs, every pointer may be None
 def work_through(scratch: Any, head: Any, folder: Path) -> None:
     """All that a bake does to Blender: evaluate, unwrap, copy, add planes and images, render."""
     evaluated = evaluate(scratch, head)
-    uv = unwrap_xatlas(evaluated, 64).uv
-    unwrap_blender(evaluated, 64)
+    uv = stage.unwrapped(evaluated, 64).uv
+    stage.unwrapped(evaluated, 64, method=Unwrap.BLENDER)
     mesh = baked_mesh(evaluated, uv)
     surface_mesh(evaluated, mesh)
     scratch.collection.objects.link(copy_object(head, mesh))
@@ -87,7 +87,7 @@ def test_what_is_kept_stays_with_all_that_it_uses() -> None:
     keep: list[bpy.types.ID] = []
     with scratch_scene(context.scene, keep=keep) as scratch:
         evaluated = evaluate(scratch, cube)
-        mesh = baked_mesh(evaluated, unwrap_blender(evaluated, 32).uv)
+        mesh = baked_mesh(evaluated, stage.unwrapped(evaluated, 32, method=Unwrap.BLENDER).uv)
         copy = copy_object(cube, mesh)
         image = bpy.data.images.new("atlas", 4, 4)
         material = stage.material("preview", "ShaderNodeEmission")

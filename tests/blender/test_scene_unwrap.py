@@ -5,27 +5,30 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import bpy
 import numpy as np
 import pytest
 
+from radtex_addon.bake.spec import Unwrap as Method
 from radtex_addon.core.arrays import Bools
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.islands import find_overlap, signed_areas, surface_areas, uv_islands
 from radtex_addon.core.surface import SurfaceMesh
 from radtex_addon.core.texel_map import rasterise
 from radtex_addon.scene.mesh.evaluated import EvaluatedMesh
-from radtex_addon.scene.uv.unwrap import estimate_seconds, unwrap_blender, unwrap_uvunwrap, unwrap_xatlas
+from radtex_addon.scene.uv.unwrap import estimate_seconds
 from radtex_addon.scene.uv.unwrap_options import UnwrapOptions, Unwrapped
 from radtex_addon.scene.uv.uv_layer import user_uv
-from tests.blender.stage import read
+from tests.blender.stage import read, unwrapped
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
+METHODS = (Method.UVUNWRAP, Method.XATLAS, Method.BLENDER)
 Unwrap = Callable[[EvaluatedMesh, int, UnwrapOptions], Unwrapped]
 ALL = pytest.mark.parametrize(
-    "unwrap", [unwrap_uvunwrap, unwrap_xatlas, unwrap_blender], ids=["uvunwrap", "xatlas", "blender"]
+    "unwrap", [partial(unwrapped, method=method) for method in METHODS], ids=METHODS
 )
 
 
@@ -142,9 +145,9 @@ def test_size_in_the_scene_does_not_matter(unwrap: Unwrap) -> None:
 def test_a_smooth_surface_is_few_islands_and_a_cube_is_six() -> None:
     bpy.ops.mesh.primitive_uv_sphere_add()
     context.object.data.shade_smooth()
-    assert unwrap_xatlas(read(context.object), 128).islands <= 8
-    assert unwrap_xatlas(cube(), 128).islands == 6
-    assert unwrap_xatlas(head(), 128).islands <= 70
+    assert unwrapped(read(context.object), 128).islands <= 8
+    assert unwrapped(cube(), 128).islands == 6
+    assert unwrapped(head(), 128).islands <= 70
 
 
 @pytest.mark.one_blender
@@ -153,8 +156,8 @@ def test_sharp_edges_part_islands_and_soft_ones_do_not() -> None:
         vertices=8
     )  # flat faces that meet at 45 degrees, a quarter circle fits
     flat = read(context.object)
-    assert unwrap_xatlas(flat, 64, UnwrapOptions(seam_angle=60)).islands < 10
-    assert unwrap_xatlas(flat, 64, UnwrapOptions(seam_angle=30)).islands == 10
+    assert unwrapped(flat, 64, UnwrapOptions(seam_angle=60)).islands < 10
+    assert unwrapped(flat, 64, UnwrapOptions(seam_angle=30)).islands == 10
 
 
 @pytest.mark.one_blender
@@ -162,11 +165,11 @@ def test_doubled_vertices_do_not_tear_islands() -> None:
     bpy.ops.mesh.primitive_uv_sphere_add(segments=16, ring_count=8)
     item = context.object
     item.data.shade_smooth()
-    whole = unwrap_xatlas(read(item), 64)
+    whole = unwrapped(read(item), 64)
     item.modifiers.new("split", "EDGE_SPLIT").split_angle = 0
     torn = read(item)
     assert len(torn.position) > 3 * 100
-    assert unwrap_xatlas(torn, 64, UnwrapOptions(seam_angle=180)).islands == whole.islands
+    assert unwrapped(torn, 64, UnwrapOptions(seam_angle=180)).islands == whole.islands
 
 
 def awkward() -> EvaluatedMesh:
@@ -248,7 +251,7 @@ def test_a_long_unwrap_is_announced(
     caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("radtex_addon.scene.uv.unwrap._LONG", 0.0)
-    unwrap_xatlas(cube(), 32)
+    unwrapped(cube(), 32)
     assert "for the 12 triangles of 'Cube'; Blender's own unwrap takes seconds" in caplog.text
 
 
@@ -261,7 +264,7 @@ def test_blender_leaves_mode_and_selection_alone() -> None:
     first.select_set(True)
     bpy.ops.object.mode_set(mode="EDIT")
     before = [item.name for item in bpy.data.objects], first.mode, second.mode, context.selected_objects
-    unwrap_blender(evaluated, 64)
+    unwrapped(evaluated, 64, method=Method.BLENDER)
     assert before == (
         [item.name for item in bpy.data.objects],
         first.mode,

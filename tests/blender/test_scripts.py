@@ -14,7 +14,7 @@ import pytest
 
 from radtex_addon.core.errors import InputError
 from radtex_addon.preview import osl
-from radtex_addon.preview.picture import render_picture
+from radtex_addon.preview.save import render_picture
 from tests.blender import stage
 from tests.blender.batch_process import QUICK, Batch, process
 

@@ -16,7 +16,7 @@ import pytest
 from radtex_addon.bake.progress import Stage
 from radtex_addon.bake.spec import BakeSpec, Kind, Split
 from radtex_addon.core.errors import InputError
-from radtex_addon.formats.sample_counts import read_counts
+from radtex_addon.formats.bucket_files import read_counts
 from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.job import bake_object, bake_steps, part_specs
 from radtex_addon.job.bake_plan import BakePlan, plan_bakes, preflight

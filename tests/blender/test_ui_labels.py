@@ -23,7 +23,7 @@ from radtex_addon.core.errors import InputError
 from radtex_addon.core.messages import Message, Setting, do, leave_out
 from radtex_addon.job.variants import title_of, variant_of
 from radtex_addon.report.report_progress import Task
-from radtex_addon.textures.export_progress import Task as ExportTask
+from radtex_addon.textures.export_spec import Task as ExportTask
 from radtex_addon.ui import registration
 from radtex_addon.ui.panel import draw_messages as messages_module
 from radtex_addon.ui.panel import labels

@@ -12,7 +12,7 @@ from typing import Any
 import bpy
 import pytest
 
-from radtex_addon.bake import memory_limits
+from radtex_addon.bake import cost
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.forms import cost_of
 from radtex_addon.ui.settings.presets import PRESET_NAMES, STOCK, SUBDIR, is_applied
@@ -42,7 +42,7 @@ def layered(spec: BakeSpec) -> BakeSpec:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_a_stock_preset_is_a_bake_for_a_machine_of_8_gb(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(memory_limits, "physical_memory", lambda: 8 * 10**9)
+    monkeypatch.setattr(cost, "physical_memory", lambda: 8 * 10**9)
     applied(name)
 
 

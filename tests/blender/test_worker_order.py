@@ -25,9 +25,9 @@ from radtex_addon.core.messages import Message
 from radtex_addon.core.sampler import Filter
 from radtex_addon.report.side_by_side import ComparisonSpec
 from radtex_addon.report.viewpoint import Eye
-from radtex_addon.textures.export_progress import Step as ExportStep
-from radtex_addon.textures.export_progress import Task as ExportTask
 from radtex_addon.textures.export_spec import Arrangement, ExportSpec, Target, TextureFormat
+from radtex_addon.textures.export_spec import Step as ExportStep
+from radtex_addon.textures.export_spec import Task as ExportTask
 from radtex_addon.worker.job import Job, State
 from radtex_addon.worker.order import Handover, Order, Program, Work, command_line, write_order
 from radtex_addon.worker.orders import (

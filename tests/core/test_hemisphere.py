@@ -16,7 +16,7 @@ from hypothesis.extra import numpy as hnp
 from radtex_addon.core import hemisphere as hs
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import ShapeError
-from radtex_addon.core.solid_angle import cell_solid_angles_sr
+from radtex_addon.core.hemisphere import cell_solid_angles_sr
 
 Real: TypeAlias = type[np.floating[Any]]
 

@@ -11,10 +11,10 @@ import pytest
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from radtex_addon.core import edges, islands, sorted_keys
+from radtex_addon.core import arrays, islands, surface
 from radtex_addon.core.arrays import Floats, Ints
 from radtex_addon.core.errors import ShapeError
-from radtex_addon.core.patches import patches
+from radtex_addon.core.surface import patches
 
 LOWER, UPPER = [(0, 0), (1, 0), (1, 1)], [(0, 0), (1, 1), (0, 1)]
 
@@ -132,17 +132,17 @@ KINDS = {
 def test_ranks_are_those_of_numpy_however_many_are_sorted_at_once(
     kind: str, at_once: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(sorted_keys, "AT_ONCE", at_once)
+    monkeypatch.setattr(arrays, "AT_ONCE", at_once)
     keys = KINDS[kind]
-    assert np.array_equal(sorted_keys.ranks(keys), np.unique(keys, return_inverse=True)[1])
-    ranges = list(sorted_keys.sorted_ranges(keys))
+    assert np.array_equal(arrays.ranks(keys), np.unique(keys, return_inverse=True)[1])
+    ranges = list(arrays.sorted_ranges(keys))
     assert np.array_equal(np.concatenate(ranges), np.argsort(keys, kind="stable"))
     assert not any(set(keys[one]) & set(keys[other]) for one, other in pairwise(ranges))
 
 
 @pytest.mark.parametrize("dtype", ["f4", "f8", "i4", "i8"])
 def test_welded_rows_are_numbered_by_their_bytes(dtype: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sorted_keys, "AT_ONCE", 100)
+    monkeypatch.setattr(arrays, "AT_ONCE", 100)
     rows = (np.random.default_rng(1).normal(size=(2000, 3)) * 4).round().astype(dtype)
     order = np.unique([row.tobytes() for row in rows + rows.dtype.type(0)], return_inverse=True)[1]
     assert np.array_equal(islands.weld(rows), order)
@@ -157,7 +157,7 @@ def test_first_and_index_are_those_of_numpy() -> None:
 
 
 def test_edges_pair_each_triangle_with_the_next_one_at_the_edge(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sorted_keys, "AT_ONCE", 20)
+    monkeypatch.setattr(arrays, "AT_ONCE", 20)
     vertex = np.random.default_rng(4).integers(0, 20, (200, 3))
     at_edge: dict[tuple[int, int], list[tuple[int, int]]] = {}
     for corner, start in enumerate(vertex.ravel().tolist()):
@@ -171,7 +171,7 @@ def test_edges_pair_each_triangle_with_the_next_one_at_the_edge(monkeypatch: pyt
         for _, some in sorted(at_edge.items())
         for one, other in pairwise(some)
     ]
-    found = edges.inner_edges(vertex)
+    found = surface.inner_edges(vertex)
     assert np.array_equal(np.concatenate([found.starts, found.ends], axis=1), expected)
 
 

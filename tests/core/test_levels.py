@@ -7,13 +7,22 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from radtex_addon.core.arrangements import (
+    Halving,
+    Pages,
+    RowChain,
+    bucket_halving,
+    fitting_levels,
+    fitting_pages,
+    halved,
+    image_halving,
+    pad,
+    padded_layout,
+    to_slices,
+)
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.errors import InputError, ShapeError
-from radtex_addon.core.levels import bucket_halving, fitting_levels, halved, pad, padded_layout
-from radtex_addon.core.pages import Pages, fitting_pages
-from radtex_addon.core.row_chain import Halving, RowChain
-from radtex_addon.core.slices import image_halving, to_slices
 from radtex_addon.formats.containers.texture import Form, PixelFormat
 from tests.lookups import LAYOUT, random_atlas
 from tests.reference.levels import level_chain, sample_level

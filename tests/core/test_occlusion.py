@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from radtex_addon.core.errors import ShapeError
-from radtex_addon.core.hemisphere import cell_centres
-from radtex_addon.core.occlusion import occlusion, square_to_cosine
+from radtex_addon.core.hemisphere import cell_centres, occlusion, square_to_cosine
 
 
 def test_the_square_becomes_the_hemisphere_and_area_the_cosine() -> None:

@@ -13,14 +13,15 @@ import sys
 
 import pytest
 
-from radtex_addon.core.command_lines import quoted
 from radtex_addon.core.errors import BakeError, FormatError, InputError, ShapeError
-from radtex_addon.core.printable import printable, printable_json
 from radtex_addon.core.quoting import (
     csharp_string,
     godot_string,
     in_comment,
+    printable,
+    printable_json,
     python_string,
+    quoted,
     shaderlab_string,
     yaml_string,
 )

@@ -12,7 +12,7 @@ from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.errors import ShapeError
 from radtex_addon.core.hemisphere import cell_centres, square_to_direction
 from radtex_addon.core.octahedron import cell_directions
-from radtex_addon.core.transfer import lookup_solid_angles_sr, mean_over_lights, with_views
+from radtex_addon.core.sampler import lookup_solid_angles_sr, mean_over_lights, with_views
 from tests.reference.relighting import sample_transfer
 
 LAYOUT = AtlasLayout(3, 2, 6)

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from radtex_addon.core.arrays import Floats
-from radtex_addon.core.map_picture import draw_map, island_colours
-from radtex_addon.core.stretch import stretches
-from radtex_addon.core.uv_map import UvMap
+from radtex_addon.core.surface import stretches
+from radtex_addon.core.uv_map import UvMap, draw_map, island_colours
 
 SQUARE = np.array([[(0, 0), (1, 0), (1, 1)], [(0, 0), (1, 1), (0, 1)]], dtype=np.float64)  # two triangles
 LUMA = np.array([0.2126, 0.7152, 0.0722])

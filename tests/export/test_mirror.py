@@ -13,11 +13,10 @@ import pytest
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.ray_tree import build_tree
 from radtex_addon.core.surface import SurfaceMesh
-from radtex_addon.export.mirror import MOST_MATERIALS, Mirror, check_mirror, packed, write_mirror
-from radtex_addon.export.mirror_path import path_over
-from radtex_addon.formats.containers.ktx2 import read_ktx2
+from radtex_addon.export.mirror import MOST_MATERIALS, Mirror, check_mirror, packed, path_over, write_mirror
 from radtex_addon.formats.json_reader import Facts
 from radtex_addon.textures.export_spec import Arrangement, ExportSpec, Target
+from tests.reference.textures import read_ktx2
 from tests.reference.traced import random_surface
 
 SKY = (0.25, 0.5, 0.75)

@@ -11,15 +11,12 @@ import numpy as np
 import pytest
 
 from radtex_addon.bake.layers import Layer
+from radtex_addon.core.arrangements import Pages, padded_layout
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.errors import FormatError, InputError, ShapeError
-from radtex_addon.core.levels import padded_layout
-from radtex_addon.core.pages import Pages
 from radtex_addon.formats.bucket_files import write_buckets
-from radtex_addon.formats.containers.dds import read_texture
 from radtex_addon.formats.containers.exr import read_atlas, read_buckets, write_atlas
-from radtex_addon.formats.containers.ktx2 import read_ktx2
 from radtex_addon.formats.containers.texture import PixelFormat, Texture, decode_texture
 from radtex_addon.formats.sidecar import Sidecar, write_sidecar
 from radtex_addon.formats.sidecar_file import SidecarFile
@@ -32,6 +29,7 @@ from tests.layered.made_up import made_up_atlas
 from tests.reference.levels import level_chain
 from tests.reference.pages import join_pages
 from tests.reference.slices import from_slices, mip_chain
+from tests.reference.textures import read_dds, read_ktx2
 
 WEB = ExportSpec(Target.WEB)
 RAW = ExportSpec(Target.RAW)
@@ -97,7 +95,7 @@ def test_layers_lie_beside_the_whole_and_add_up_to_it(tmp_path: Path, form: Text
 def texture_of(folder: Path, entry: TextureEntry) -> Texture:
     """What the file of an entry holds, which must be what the entry says."""
     path = folder / entry.file
-    texture = read_ktx2(path) if entry.container is Container.KTX2 else read_texture(path)
+    texture = read_ktx2(path) if entry.container is Container.KTX2 else read_dds(path)
     assert (texture.format, (texture.width, texture.height)) == (entry.format, entry.size)
     assert (texture.layers, len(texture.levels)) == (entry.layers, entry.levels)
     return texture
@@ -215,7 +213,7 @@ def test_godot_gets_whole_mip_chains_and_arrays_as_dds(tmp_path: Path) -> None:
         entry = write_textures(sidecar, spec, tmp_path / "out")["radiance"]
         assert (entry.container, entry.levels) == (container, levels)
         path = tmp_path / "out" / entry.file
-        texture = read_ktx2(path) if container is Container.KTX2 else read_texture(path)
+        texture = read_ktx2(path) if container is Container.KTX2 else read_dds(path)
         assert len(texture.levels) == whole
     with pytest.raises(InputError, match="which Godot reads from DDS only"):
         write_textures(sidecar, replace(godot, format=TextureFormat.KTX2_RGBA16F, limit=64), tmp_path / "out")

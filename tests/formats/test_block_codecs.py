@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""BC4, BC5, BC6H's mode 11 and BC7's mode 6: decoded by the book, and encoded as near as can be."""
+"""BC4, BC6H's mode 11 and BC7's mode 6: decoded by the book, and encoded as near as can be."""
 
 from __future__ import annotations
 
@@ -19,7 +19,6 @@ from hypothesis.extra.numpy import arrays
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import FormatError, InputError, ShapeError
 from radtex_addon.formats.codecs.bc4 import decode_bc4, encode_bc4
-from radtex_addon.formats.codecs.bc5 import decode_bc5, encode_bc5
 from radtex_addon.formats.codecs.bc6h import MOST, decode_bc6h, encode_bc6h
 from radtex_addon.formats.codecs.bc7 import Blocks, decode_bc7, encode_bc7
 
@@ -40,8 +39,8 @@ def taking(block: bytes) -> Callable[[int], int]:
     return take
 
 
-def bc5_book(block: bytes) -> Book:
-    """Sixteen pixels in 255ths, as the specification's tables have them, a channel for each eight bytes."""
+def bc4_book(block: bytes) -> Book:
+    """Sixteen pixels in 255ths, as the specification's tables have them."""
     channels = []
     for begin in range(0, len(block), 8):
         first, last = block[begin : begin + 2]
@@ -117,11 +116,10 @@ class Codec:
         return self.decode(self.encode(image.astype(np.float32)))
 
 
-BC4 = Codec(encode_bc4, decode_bc4, 1, bc5_book)
-BC5 = Codec(encode_bc5, decode_bc5, 2, bc5_book)
+BC4 = Codec(encode_bc4, decode_bc4, 1, bc4_book)
 BC6H = Codec(encode_bc6h, decode_bc6h, 3, bc6h_book, bits, MOST, 0xE0, 0b00011)
 BC7 = Codec(encode_bc7, decode_bc7, 4, bc7_book, mask=0x80, mode=0x40)
-each = pytest.mark.parametrize("codec", [BC4, BC5, BC6H, BC7], ids=["BC4", "BC5", "BC6H", "BC7"])
+each = pytest.mark.parametrize("codec", [BC4, BC6H, BC7], ids=["BC4", "BC6H", "BC7"])
 lines = pytest.mark.parametrize("codec", [BC6H, BC7], ids=["BC6H", "BC7"])  # between two ends of all channels
 
 
@@ -252,48 +250,38 @@ def test_blocks_do_not_know_each_other() -> None:
     np.testing.assert_array_equal(encode_bc7(wide)[0, -1], encode_bc7(wide[:, -4:])[0, 0])
 
 
-# BC4 and BC5
+# BC4
 
 
-def test_a_channel_of_bc5_is_bc4() -> None:
-    image = np.random.default_rng(1).random((16, 24, 2)).astype(np.float32)
-    both = encode_bc5(image)
-    for channel in range(2):
-        blocks = encode_bc4(image[..., channel : channel + 1])
-        np.testing.assert_array_equal(blocks, both[..., 8 * channel : 8 * channel + 8])
-        np.testing.assert_array_equal(decode_bc4(blocks), decode_bc5(both)[..., channel : channel + 1])
-
-
-def test_bc5s_blocks_of_one_value_are_exact_to_eight_bits() -> None:
-    """Both channels at once, each of its own value; between 255ths there are seven levels."""
-    rng = np.random.default_rng(1)
-    whole = spread(np.stack([np.arange(256), rng.permutation(256)], axis=-1).reshape(16, 16, 2) / 255)
-    np.testing.assert_array_equal(BC5.again(whole), whole)
-    between = spread(rng.random((32, 32, 2)))
-    assert np.abs(BC5.again(between) - between).max() <= STEP / 13.9
-    expected = np.zeros((1, 2, 2, 8), np.uint8)  # its code twice and index 0
-    expected[..., :2] = np.array([[[7, 255], [0, 128]]])[..., None]
-    found = encode_bc5(spread(np.array([[[7, 255], [0, 128]]]) / 255))
-    np.testing.assert_array_equal(found, expected.reshape(1, 2, 16))
+def test_blocks_of_one_value_are_exact_to_eight_bits() -> None:
+    """Between 255ths there are seven levels."""
+    whole = spread(np.random.default_rng(1).permutation(256).reshape(16, 16, 1) / 255)
+    np.testing.assert_array_equal(BC4.again(whole), whole)
+    between = spread(np.random.default_rng(1).random((32, 64, 1)))
+    assert np.abs(BC4.again(between) - between).max() <= STEP / 13.9
+    codes = np.array([[7, 255, 0, 128]])
+    expected = np.zeros((1, 4, 8), np.uint8)  # its code twice and index 0
+    expected[..., :2] = codes[..., None]
+    np.testing.assert_array_equal(encode_bc4(spread(codes[..., None] / 255)), expected)
 
 
 def test_what_eight_levels_can_hold_comes_back() -> None:
     """Random ends, at least a few steps apart, and indices, both ends among them."""
-    blocks = np.random.default_rng(3).integers(0, 256, (512, 2, 8), np.uint8)
+    blocks = np.random.default_rng(3).integers(0, 256, (16, 64, 8), np.uint8)
     blocks[..., 1], blocks[..., 0] = blocks[..., 1] % 128, blocks[..., 0] % 120 + 135
     blocks[..., 2] = blocks[..., 2] & 0xC0 | 0b001_000
-    image = decode_bc5(blocks.reshape(16, 32, 16))
-    np.testing.assert_allclose(BC5.again(image), image, atol=1e-6)
-    words = encode_bc5(np.random.default_rng(1).random((64, 64, 2)).astype(np.float32)).reshape(-1, 8)
+    image = decode_bc4(blocks)
+    np.testing.assert_allclose(BC4.again(image), image, atol=1e-6)
+    words = encode_bc4(np.random.default_rng(1).random((64, 128, 1)).astype(np.float32)).reshape(-1, 8)
     assert (words[:, 0] > words[:, 1]).all()  # eight, wherever a block has two values
 
 
-@given(arrays(np.float32, (4, 4, 2), elements=st.floats(0, 1, width=32)))
+@given(arrays(np.float32, (4, 4, 1), elements=st.floats(0, 1, width=32)))
 def test_no_value_is_further_off_than_half_a_level(image: Floats) -> None:
     """About the ends around all values; what least squares make of a block is no worse on the whole."""
     values = image * 255
     span = np.ceil(values.max(axis=(0, 1))) - np.floor(values.min(axis=(0, 1)))
-    wrong = np.square(BC5.again(image) - image).sum(axis=(0, 1))
+    wrong = np.square(BC4.again(image) - image).sum(axis=(0, 1))
     assert (wrong <= 16 * np.square((span / 14 + 1e-4) * STEP)).all()
 
 

@@ -14,11 +14,10 @@ import pytest
 
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import BakeError, FormatError, ShapeError
-from radtex_addon.formats.bucket_files import read_layer, write_buckets
-from radtex_addon.formats.bucket_rows import open_buckets, open_layer
-from radtex_addon.formats.containers import image_rows
+from radtex_addon.formats.bucket_files import open_buckets, open_layer, read_layer, write_buckets
+from radtex_addon.formats.containers import exr_rows
 from radtex_addon.formats.containers.exr import Compression, read_atlas, read_buckets, write_atlas
-from radtex_addon.formats.containers.image_rows import open_rows
+from radtex_addon.formats.containers.exr_rows import open_rows
 from radtex_addon.formats.sidecar import Sidecar, read_sidecar, write_sidecar
 
 FACTS = Sidecar("Vase", "radiance", 3, 2, 4, "UVMap", 1, 0, "portal", "RadTex", "5.2.0")
@@ -116,7 +115,7 @@ def test_bands_are_the_whole(
     image, facts = open_buckets(path.with_suffix(".json"))
     assert (facts, image.channels) == (sidecar, channels)
     for band_bytes in (1, WIDTH * channels * 4 * 13, 1 << 24):
-        monkeypatch.setattr(image_rows, "_BAND_BYTES", band_bytes)
+        monkeypatch.setattr(exr_rows, "_BAND_BYTES", band_bytes)
         bands = list(image.bands(SIDECAR.bucket))
         assert [first for first, _ in bands] == list(np.cumsum([0, *(len(rows) for _, rows in bands[:-1])]))
         assert all(first % SIDECAR.bucket == 0 for first, _ in bands)

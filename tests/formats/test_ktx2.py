@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""KTX2 files: every field as the specification has it, and bad files refused by name."""
+"""KTX2 files: every field as the specification has it."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ import pytest
 import zstandard
 
 from radtex_addon.core.arrays import Floats
-from radtex_addon.core.errors import FormatError, InputError, ShapeError
+from radtex_addon.core.errors import InputError, ShapeError
 from radtex_addon.formats.codecs.bc7 import Blocks
-from radtex_addon.formats.containers.ktx2 import read_ktx2, write_ktx2
+from radtex_addon.formats.containers.ktx2 import write_ktx2
 from radtex_addon.formats.containers.texture import (
     ENCODED,
     PixelFormat,
@@ -25,6 +25,7 @@ from radtex_addon.formats.containers.texture import (
 )
 from radtex_addon.formats.containers.unit_blocks import CHANNELS, encode_units
 from radtex_addon.version import VERSION
+from tests.reference.textures import read_ktx2
 
 VK_FORMATS = {PixelFormat.RGBA16F: 97, PixelFormat.RGB9E5: 123, PixelFormat.BC6H: 143}  # vulkan_core.h
 UNIT_BLOCKS = {  # colour model, transfer function, bytes; the samples' first words, whose alpha is linear
@@ -47,19 +48,6 @@ def images(layers: int = 1, height: int = 22, width: int = 33, levels: int = 3) 
 
 def texture(kind: PixelFormat = PixelFormat.RGB9E5, layers: int = 2) -> Texture:
     return encode_texture(images(layers), kind, is_array=True)
-
-
-@pytest.fixture(params=[False, True], ids=["plain", "zstd"])
-def file(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
-    path = tmp_path / "a.ktx2"
-    write_ktx2(path, texture(), zstd=request.param)
-    return path
-
-
-def patched(path: Path, offset: int, value: int, size: int = 4) -> None:
-    data = bytearray(path.read_bytes())
-    data[offset : offset + size] = value.to_bytes(size, "little")
-    path.write_bytes(data)
 
 
 def words(data: bytes, offset: int, count: int) -> tuple[int, ...]:
@@ -165,67 +153,6 @@ def test_the_descriptors_are_those_of_khronos(tmp_path: Path, zstd: bool) -> Non
     write_ktx2(tmp_path / "a.ktx2", texture(PixelFormat.RGBA16F), zstd, premultiplied=False)
     assert (tmp_path / "a.ktx2").read_bytes()[DESCRIPTOR + 15] == 0
     read_ktx2(tmp_path / "a.ktx2")
-
-
-@pytest.mark.parametrize(
-    ("offset", "value", "message"),
-    [
-        (4, 0x31312058, "not a KTX2 file"),  # KTX 11
-        (12, 131, "VkFormat 131: save it as RGBA16F, RGB9E5, BC3"),
-        (16, 2, "header cannot be read"),
-        (20, 0, "0 x 22 pixels"),
-        (24, 16385, "33 x 16385 pixels"),
-        (28, 1, "no 2D texture"),
-        (32, 4096, "4096 layers"),
-        (36, 6, "no 2D texture"),
-        (40, 0, "0 mip levels"),
-        (40, 7, "7 mip levels, expected 1 to 6"),
-        (44, 1, "packed by scheme 1"),
-        (72, 8, "header cannot be read"),
-        (52, 44, "that RadTex does not write"),
-        (DESCRIPTOR + 12, 0x02010201, "that RadTex does not write"),
-        (60, 20, "orientation 'rd'"),
-        (LEVELS + 16, 1 << 30, "level 0 is not of its size"),
-        (LEVELS + 4, 1, "cut short"),
-    ],
-)
-def test_other_files_are_refused_by_name(file: Path, offset: int, value: int, message: str) -> None:
-    if offset == 60:  # the key/value data without the first pair
-        patched(file, 56, words(file.read_bytes(), 56, 1)[0] + 24)
-    patched(file, offset, value)
-    with pytest.raises(FormatError, match=message) as caught:
-        read_ktx2(file)
-    assert str(file) in str(caught.value)
-    assert "\n" not in str(caught.value)
-
-
-@pytest.mark.parametrize("zstd", [False, True])
-def test_a_header_that_promises_much_takes_no_memory(tmp_path: Path, zstd: bool) -> None:
-    """16384 x 16384 pixels of 2048 layers, which are 4 TiB."""
-    path = tmp_path / "a.ktx2"
-    write_ktx2(path, encode_texture(images(levels=1), PixelFormat.RGBA16F, is_array=True), zstd)
-    for offset, value in ((20, 16384), (24, 16384), (32, 2048)):
-        patched(path, offset, value)
-    patched(path, LEVELS + 16, 16384 * 16384 * 2048 * 8, 8)
-    with pytest.raises(FormatError, match="not of its size"):
-        read_ktx2(path)
-
-
-def test_a_texture_beyond_the_memory_or_damaged_or_upside_down_is_refused(
-    file: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    data = file.read_bytes()
-    file.write_bytes(data.replace(b"KTXorientation\0ru", b"KTXorientation\0rd"))
-    with pytest.raises(FormatError, match=r"orientation 'rd', expected \"ru\""):
-        read_ktx2(file)
-    if words(data, 44, 1) == (2,):  # in packed levels damage is seen
-        file.write_bytes(data[:-40] + bytes([data[-40] ^ 0x10]) + data[-39:])
-        with pytest.raises(FormatError, match=r"a\.ktx2 is damaged"):
-            read_ktx2(file)
-    file.write_bytes(data)
-    monkeypatch.setattr("radtex_addon.formats.disk.memory.physical_memory", lambda: 3000)
-    with pytest.raises(FormatError, match=r"a\.ktx2 needs .* of memory, this machine has 3 KiB"):
-        read_ktx2(file)
 
 
 def test_other_formats_are_not_written(tmp_path: Path) -> None:

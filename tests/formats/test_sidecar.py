@@ -16,9 +16,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from radtex_addon.core.errors import BakeError, FormatError, InputError
+from radtex_addon.formats.bucket_files import count_text, read_counts
 from radtex_addon.formats.fingerprint import KEY, Fingerprint, fingerprint_in
 from radtex_addon.formats.json_reader import MOST_VALUES, Facts
-from radtex_addon.formats.sample_counts import count_text, read_counts
 from radtex_addon.formats.sidecar import (
     Content,
     Part,

@@ -4,18 +4,20 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from radtex_addon.core.errors import BakeError, FormatError
+from radtex_addon.core.errors import BakeError
 from radtex_addon.formats.containers import ktx2
-from radtex_addon.formats.containers.dds import read_texture, write_texture
-from radtex_addon.formats.containers.ktx2 import read_ktx2, write_ktx2
+from radtex_addon.formats.containers.dds import write_texture
+from radtex_addon.formats.containers.ktx2 import write_ktx2
 from radtex_addon.formats.containers.texture import ENCODED, Encoded, PixelFormat, encode_texture
 from radtex_addon.formats.containers.texture_file import texture_file
 from tests.reference.slices import mip_chain
+from tests.reference.textures import read_ktx2
 
 
 @pytest.mark.parametrize("step", [1, 3, 64])
@@ -59,33 +61,11 @@ def test_a_large_level_is_packed_as_it_comes_and_unpacks_to_the_same(
 
 
 @pytest.mark.parametrize("zstd", [None, False, True], ids=["DDS", "KTX2", "KTX2, zstd"])
-def test_what_is_no_whole_file_is_refused_and_a_failed_write_leaves_nothing(
-    zstd: bool | None, tmp_path: Path
-) -> None:
+def test_a_failed_write_leaves_nothing(zstd: bool | None, tmp_path: Path) -> None:
     image = np.random.default_rng(3).random((2, 24, 36, 3), dtype=np.float32)
     texture, path = encode_texture([image], PixelFormat.BC6H, is_array=True), tmp_path / "a.bin"
-    read = read_texture if zstd is None else read_ktx2
-
-    def write() -> None:
-        if zstd is None:
-            write_texture(path, texture)
-        else:
-            write_ktx2(path, texture, zstd)
-
-    write()
-    whole = path.read_bytes()
-    for length in (0, 3, 5, 12, 60, 79, 100, 147, 148, 200, len(whole) - 1):
-        path.write_bytes(whole[:length])
-        with pytest.raises(FormatError, match=r"a\.bin is (cut short|not a (DDS|KTX2) file)"):
-            read(path)
-    path.write_bytes(whole + b"x")
-    with pytest.raises(FormatError, match=r"a\.bin has more in it"):
-        read(path)
-    path.unlink()
-    for missing in (path, tmp_path):
-        with pytest.raises(FormatError, match="cannot be read"):
-            read(missing)
     path.mkdir()
+    write = write_texture if zstd is None else partial(write_ktx2, zstd=zstd)
     with pytest.raises(BakeError, match=r"a\.bin could not be written"):
-        write()
+        write(path, texture)
     assert list(tmp_path.iterdir()) == [path]

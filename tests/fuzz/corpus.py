@@ -22,11 +22,9 @@ from radtex_addon.farm.farm_files import FarmFiles
 from radtex_addon.farm.farm_manifest import Copies
 from radtex_addon.farm.farm_manifest import Manifest as FarmManifest
 from radtex_addon.formats.bucket_files import write_buckets
-from radtex_addon.formats.containers.dds import DdsFormat, write_dds, write_texture
 from radtex_addon.formats.containers.exr import Compression, write_atlas
 from radtex_addon.formats.containers.glb import Glb
-from radtex_addon.formats.containers.ktx2 import write_ktx2
-from radtex_addon.formats.containers.texture import ENCODED, PixelFormat, encode_texture
+from radtex_addon.formats.containers.texture import PixelFormat
 from radtex_addon.formats.disk.regular import digest
 from radtex_addon.formats.shadow_files import write_shadow
 from radtex_addon.formats.sidecar import Content, Part, Sidecar, Source, write_sidecar
@@ -99,7 +97,6 @@ def make_corpus(folder: Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     _write_sets(folder)
     _write_images(folder / "exr.seeds")
-    _write_textures(folder)
     _write_orders(folder / "order.seeds")
     _write_rest(folder)
     _write_farm(folder / "Vase.radiance.radtex-farm")
@@ -146,19 +143,6 @@ def _save(path: Path, parts: list[tuple[dict[str, object], dict[str, Floats], st
         OpenEXR.File(header, channels).write(str(path))
     else:  # the module writes names into the headers
         OpenEXR.File([OpenEXR.Part(dict(header), *rest) for header, *rest in parts]).write(str(path))
-
-
-def _write_textures(folder: Path) -> None:
-    levels = [_pixels(32, 8, 4).reshape(2, 16, 8, 4), _pixels(16, 4, 4).reshape(2, 8, 4, 4)]
-    for kind in ENCODED:
-        texture = encode_texture(levels, kind, is_array=True)
-        for zstd in (True, False):
-            write_ktx2(folder / "ktx2.seeds" / f"{kind}{int(zstd)}.ktx2", texture, zstd)
-        if kind is not PixelFormat.RGB9E5:
-            write_texture(folder / "dds.seeds" / f"{kind}.dds", texture)
-    for number in DdsFormat:
-        blocks = np.random.default_rng(3).integers(0, 256, (2, 3, number.block_bytes), dtype=np.uint8)
-        write_dds(folder / "dds.seeds" / f"{number.name}.dds", blocks, number)
 
 
 def _write_rest(folder: Path) -> None:

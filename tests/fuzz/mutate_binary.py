@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Damage that knows where formats keep their sizes: KTX2, DDS, GLB and the pieces of a checkpoint."""
+"""Damage that knows where formats keep their sizes: GLB and the pieces of a checkpoint."""
 
 from __future__ import annotations
 
@@ -10,12 +10,10 @@ import json
 import re
 import struct
 import zipfile
-from functools import lru_cache
 from random import Random
 from typing import Any
 
 import numpy as np
-import zstandard
 
 from .mutate import damage, set_field
 from .mutate_json import mutate_json
@@ -36,43 +34,6 @@ _NPY_WORDS = (
     (b"'shape'", b"'shop'"),
     (b"{", b"{" + b"(" * 300),
 )
-
-
-def mutate_ktx2(data: bytearray, random: Random) -> None:
-    """Change a field of the header or the level index, or pack a level so that it lies about its size."""
-    levels = struct.unpack_from("<I", data, 40)[0]
-    if random.random() < 0.35:
-        set_field(data, random, 12 + 4 * random.randrange(13), 4)
-    elif random.random() < 0.5:
-        set_field(data, random, 80 + 8 * random.randrange(3 * min(levels, 20)), 8)
-    else:
-        _lie(data, random, 80 + 24 * random.randrange(min(levels, 20)))
-
-
-def _lie(data: bytearray, random: Random, place: int) -> None:
-    """Replace a level's data by a frame of Zstandard of another size than it should be, or says."""
-    unpacked = struct.unpack_from("<Q", data, place + 16)[0]
-    real = random.choice((0, 1, unpacked, unpacked + 1, unpacked * 2, 1 << 20, 1 << 27))
-    frame = bytearray(_zeros(min(real, 1 << 27), random.random() < 0.7))
-    if random.random() < 0.5:
-        set_field(frame, random, random.choice((4, 5, 6)), random.choice((1, 2, 4)))
-    if random.random() < 0.3:
-        frame += bytes(frame)
-    said = random.choice((unpacked, real))
-    struct.pack_into("<3Q", data, place, len(data), len(frame), said)
-    data += frame
-    data[44:48] = struct.pack("<I", 2)
-
-
-@lru_cache(64)
-def _zeros(size: int, told: bool) -> bytes:
-    """A frame of that many zeros, which tells their number or not."""
-    return zstandard.ZstdCompressor(write_content_size=told).compress(bytes(size))
-
-
-def mutate_dds(data: bytearray, random: Random) -> None:
-    """Change a field of the header."""
-    set_field(data, random, 4 * random.choice((1, 2, 3, 4, 5, 6, 7, 19, 20, 21, 27, 28, 32, 33, 34, 35)), 4)
 
 
 def mutate_glb(data: bytearray, random: Random) -> None:

@@ -22,10 +22,7 @@ from radtex_addon.export.export_manifest import read_manifest
 from radtex_addon.farm.farm_files import FarmFiles
 from radtex_addon.farm.farm_manifest import read_manifest as read_farm_manifest
 from radtex_addon.farm.farm_manifest import read_plan
-from radtex_addon.formats.bucket_files import read_layer
-from radtex_addon.formats.bucket_rows import open_buckets
-from radtex_addon.formats.containers.dds import read_dds
-from radtex_addon.formats.containers.dds import read_texture as read_dds_texture
+from radtex_addon.formats.bucket_files import open_buckets, read_counts, read_layer
 from radtex_addon.formats.containers.exr import (
     ATTRIBUTE,
     read_atlas,
@@ -36,11 +33,7 @@ from radtex_addon.formats.containers.exr import (
     stored_compression,
 )
 from radtex_addon.formats.containers.glb import Glb
-from radtex_addon.formats.containers.ktx2 import read_ktx2
-from radtex_addon.formats.containers.texture import ENCODED, Texture, decode_texture
-from radtex_addon.formats.containers.unit_blocks import CHANNELS, decode_units
 from radtex_addon.formats.disk.regular import digest
-from radtex_addon.formats.sample_counts import read_counts
 from radtex_addon.formats.shadow_files import read_shadow, visible_buckets
 from radtex_addon.formats.sidecar import preview_path, read_sidecar
 from radtex_addon.formats.sidecar_file import read_facts
@@ -52,7 +45,7 @@ from radtex_addon.store.checkpoint_files import KEY
 
 from .corpus import FACTS, PAINTED
 from .mutate import Mutator
-from .mutate_binary import mutate_dds, mutate_glb, mutate_ktx2, mutate_npy, mutate_npz, mutate_piece
+from .mutate_binary import mutate_glb, mutate_npy, mutate_npz, mutate_piece
 from .mutate_exr import mutate_exr, put_text
 from .mutate_json import mutate_json
 
@@ -106,24 +99,6 @@ def _layered(path: Path) -> None:
     sidecar = path.with_name("Coat.radiance.json")
     atlas, _ = read_layered(sidecar)
     own_texels(sidecar, atlas)
-
-
-def _ktx2(path: Path) -> None:
-    _decode(read_ktx2(path))
-
-
-def _dds(path: Path) -> None:
-    _decode(read_dds_texture(path))
-    read_dds(path)
-
-
-def _decode(texture: Texture) -> None:
-    """Make images of the blocks, which may be of a mode that RadTex does not write."""
-    with suppress(FormatError):
-        if texture.format in ENCODED:
-            decode_texture(texture)
-        if texture.format in CHANNELS and not texture.is_array:
-            decode_units(texture)
 
 
 def _piece(path: Path) -> None:
@@ -238,7 +213,6 @@ def _headers_as_sidecar(path: Path) -> None:
 
 
 _SHADE, _VASE, _COAT = "Shade.shadow.exr", "Vase.radiance.exr", "Coat.radiance"
-_KTX2, _DDS = "ktx2.seeds/BC6H1.ktx2", "dds.seeds/BC6H.dds"
 _FARM = "Vase.radiance.radtex-farm/farm.json"
 _ALONE = "Alone.radiance.radtex-farm"
 _BAKE = "bake.radtex-unfinished"
@@ -273,8 +247,6 @@ READERS = {
     "manifest": Reader("manifest.seeds/0.json", mutate_json, read_manifest, 6, seeds="manifest.seeds/*.json"),
     "farm": Reader(_FARM, mutate_json, lambda path: read_farm_manifest(FarmFiles(path.parent)), 3),
     "plan": Reader(f"{_ALONE}/plan.npz", mutate_npz, _plan, 3, _plan_with_digest),
-    "ktx2": Reader(_KTX2, mutate_ktx2, _ktx2, 8, seeds="ktx2.seeds/*.ktx2"),
-    "dds": Reader(_DDS, mutate_dds, _dds, 5, seeds="dds.seeds/*.dds"),
     "glb": Reader("mesh.glb", mutate_glb, Glb.read, 4),
     "accessors": Reader("mesh.glb", mutate_glb, _accessors, 4),
     "piece": Reader(_PIECE, mutate_piece, _piece, 5),

@@ -13,8 +13,6 @@ import pytest
 
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import InputError
-from radtex_addon.formats.containers.dds import read_texture
-from radtex_addon.formats.containers.ktx2 import read_ktx2
 from radtex_addon.formats.containers.texture import PixelFormat, Texture
 from radtex_addon.formats.json_reader import Facts
 from radtex_addon.formats.sidecar_file import SidecarFile
@@ -28,6 +26,7 @@ from radtex_addon.textures.entry import Container, TextureEntry
 from radtex_addon.textures.export_spec import ExportSpec, Target, TextureFormat
 from tests.layered.made_up import made_up_atlas, made_up_fragments
 from tests.layered_lookups import CASES, FACTS, off
+from tests.reference.textures import read_dds, read_ktx2
 
 HALF = PixelFormat.RGBA16F
 
@@ -52,7 +51,7 @@ def textures_of(name: str, folder: Path, spec: ExportSpec) -> tuple[Path, dict[s
 
 def texture_of(folder: Path, entry: TextureEntry) -> Texture:
     path = folder / entry.file
-    texture = read_ktx2(path) if entry.container is Container.KTX2 else read_texture(path)
+    texture = read_ktx2(path) if entry.container is Container.KTX2 else read_dds(path)
     assert (texture.format, (texture.width, texture.height)) == (entry.format, entry.size)
     assert (len(texture.levels), entry.layers) == (entry.levels, 1)
     return texture

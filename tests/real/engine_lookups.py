@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from radtex_addon.core.arrangements import fitting_pages
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.frame import normalised, orthonormal_frame, to_frame
-from radtex_addon.core.pages import fitting_pages
 from radtex_addon.core.sampler import Filter, sample
 from radtex_addon.forms.buckets.hlsl import buckets_lookup
 from radtex_addon.forms.hlsl_lookup import HlslLookup

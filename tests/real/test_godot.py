@@ -10,11 +10,10 @@ from itertools import product
 import numpy as np
 import pytest
 
+from radtex_addon.core.arrangements import fitting_pages, to_slices
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
-from radtex_addon.core.pages import fitting_pages
 from radtex_addon.core.sampler import Filter
-from radtex_addon.core.slices import to_slices
 from radtex_addon.formats.shadow_files import Words
 from radtex_addon.forms.layered.shader_values import (
     FULL,

@@ -30,7 +30,7 @@ from radtex_addon.export.exporting import export_steps
 from radtex_addon.export.exporting_scene import export_scene_steps
 from radtex_addon.export.gltf import extension_in
 from radtex_addon.formats.containers.glb import Glb
-from radtex_addon.formats.containers.ktx2 import read_ktx2, write_ktx2
+from radtex_addon.formats.containers.ktx2 import write_ktx2
 from radtex_addon.formats.containers.texture import PixelFormat, decode_texture, encode_texture
 from radtex_addon.forms.layered.lookup.atlas import sample_layered
 from radtex_addon.forms.layered.shader_values import FULL, shader_facts
@@ -53,6 +53,7 @@ from tests.real.godot import (
 )
 from tests.real.mirror_scene import PLACES, RADIUS, SKY, Stage, keep_row
 from tests.real.root import Root, screen
+from tests.reference.textures import read_ktx2
 
 LEAST = 38.0  # dB
 LEAST_MADE_UP, MATERIAL = 48.0, 1

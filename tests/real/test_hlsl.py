@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from radtex_addon.core.arrangements import fitting_pages
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
-from radtex_addon.core.pages import fitting_pages
 from radtex_addon.core.sampler import Filter
 from radtex_addon.forms.layered.files.arrangement import CHANNELS
 from radtex_addon.forms.layered.shader_values import (

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from radtex_addon.core.arrangements import fitting_levels
 from radtex_addon.core.atlas import AtlasLayout
-from radtex_addon.core.levels import fitting_levels
 from radtex_addon.core.sampler import Filter
 from radtex_addon.formats.containers.exr import read_atlas
 from radtex_addon.report.metrics import Mask, Picture

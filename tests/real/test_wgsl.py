@@ -11,13 +11,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from radtex_addon.core.arrangements import Pages, fitting_pages, padded_layout, to_slices
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.frame import normalised, orthonormal_frame, to_frame
-from radtex_addon.core.levels import padded_layout
-from radtex_addon.core.pages import Pages, fitting_pages
 from radtex_addon.core.sampler import Filter, sample
-from radtex_addon.core.slices import to_slices
 from radtex_addon.forms.layered.files.arrangement import CHANNELS
 from radtex_addon.forms.layered.shader_values import (
     BAKE_BUFFER,

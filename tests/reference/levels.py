@@ -8,10 +8,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from radtex_addon.core.arrangements import halved, pad, padded_layout
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.hemisphere import direction_to_square
-from radtex_addon.core.levels import halved, pad, padded_layout
 from radtex_addon.core.sampler import Filter, blend_buckets, checked_lookups
 
 

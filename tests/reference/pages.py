@@ -6,18 +6,17 @@ from __future__ import annotations
 
 import numpy as np
 
+from radtex_addon.core.arrangements import Pages, pad
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
-from radtex_addon.core.levels import pad
-from radtex_addon.core.pages import Pages
 from tests.reference.levels import level_chain
 
 
 def split_pages(image: Floats, layout: AtlasLayout, pages: Pages) -> Floats:
     """An atlas (H*n, W*n, C) as pages (layers, height*n, width*n, C).
 
-    The last pages are padded as in `levels.pad`. To split a mip level of a padded atlas, give its own layout
-    and `pages.at_level`. The dtype stays. Raises ShapeError if the layout does not fit into the pages.
+    The last pages are padded as in `arrangements.pad`. To split a mip level of a padded atlas, give its own
+    layout and `pages.at_level`. The dtype stays. Raises ShapeError if the layout does not fit into the pages.
     """
     stored = pages.stored(layout.bucket)
     page_height, page_width = pages.height * layout.bucket, pages.width * layout.bucket

@@ -9,12 +9,12 @@ from math import isqrt
 
 import numpy as np
 
+from radtex_addon.core.arrangements import _halved
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.errors import ShapeError
 from radtex_addon.core.hemisphere import direction_to_square
 from radtex_addon.core.sampler import Filter, blend_buckets, checked_lookups
-from radtex_addon.core.slices import _halved
 
 
 def from_slices(slices: Floats) -> Floats:

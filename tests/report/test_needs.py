@@ -13,7 +13,7 @@ from radtex_addon.cli.report_arguments import parse_report
 from radtex_addon.core.errors import FormatError, InputError
 from radtex_addon.formats.disk import memory
 from radtex_addon.formats.sidecar import Sidecar, write_sidecar
-from radtex_addon.report.needs import check_judged, check_shown
+from radtex_addon.report.sizes import check_judged, check_shown
 
 
 @pytest.fixture

@@ -4,28 +4,41 @@
 
 Format: KTX File Format Specification 2.0, https://registry.khronos.org/KTX/specs/2.0/ktxspec.v2.html
 The first row is the bottom one: KTXorientation is "ru".
+
+The basic data format descriptor describes the pixels: Khronos Data Format Specification 1.3, chapter 5
+"Khronos Basic Data Format Descriptor Block", for RGB9E5 its section "Shared exponent example";
+https://registry.khronos.org/DataFormat/specs/1.3/dataformat.1.3.html
 """
 
 from __future__ import annotations
 
-import os
 import struct
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import BinaryIO, NamedTuple
+from typing import NamedTuple
 
-import numpy as np
 import zstandard
 
-from ...core.errors import FormatError, InputError
+from ...core.errors import InputError
 from ...version import VERSION
-from ..codecs.bc7 import Blocks
 from ..disk.atomic import replacing
-from ..disk.memory import check_memory
-from ..disk.regular import open_regular
-from .ktx2_descriptor import descriptor
-from .texture import Encoded, PixelFormat, Texture, blocks_shape, size_misfit
+from .texture import Encoded, PixelFormat
 
+_VERSION = 2  # of the descriptor block
+_RGBSDA = 1  # colour model of pixels
+_MODELS = {  # and of blocks
+    PixelFormat.BC3: 130,
+    PixelFormat.BC3_SRGB: 130,
+    PixelFormat.BC4: 131,
+    PixelFormat.BC6H: 133,
+    PixelFormat.BC7: 134,
+    PixelFormat.BC7_SRGB: 134,
+}
+_BT709, _LINEAR, _SRGB = 1, 1, 2  # primaries, transfer functions
+_PREMULTIPLIED = 1  # the only flag
+_ALPHA = 15  # channel number; red, green and blue are 0, 1 and 2, the whole of a BC6H block is 0
+_LINEARLY, _EXPONENT, _SIGNED, _FLOAT = 0x10, 0x20, 0x40, 0x80  # qualifiers, in the channel's byte
+_MOST = 2**32 - 1  # what 1 is in blocks of whole numbers
 VK_FORMATS = {  # VkFormat
     PixelFormat.RGBA16F: 97,
     PixelFormat.RGB9E5: 123,
@@ -51,9 +64,79 @@ _MAGIC = b"\xabKTX 20\xbb\r\n\x1a\n"
 _NONE, _ZSTD = 0, 2  # supercompression schemes
 _EFFORT = 9  # Zstandard's level
 _AT_ONCE = 1 << 25  # bytes: smaller levels are compressed in one piece
-_MOST_IN_A_BYTE = 1 << 15  # highest compression ratio: 4 bytes or more of Zstandard hold 128 KiB at most
-_MOST_KEYS = 1 << 16  # bytes of key/value data that are read
 _ORIENTATION, _UPWARDS = b"KTXorientation", b"ru"
+
+
+class _Sample(NamedTuple):
+    """One component in a pixel or block; its values `lower` and `upper` mean 0 or -1, and 1."""
+
+    offset: int
+    bits: int
+    channel: int
+    lower: int
+    upper: int
+
+
+def descriptor(pixel_format: PixelFormat, premultiplied: bool) -> bytes:
+    """The descriptor, its total size first, for Rec.709, linear or sRGB, in pixels or blocks, or for words.
+
+    It is the same for supercompressed files, as in the KTX specification since revision 4.
+    """
+    samples = _SAMPLES[pixel_format]
+    size = 24 + 16 * len(samples)
+    side = pixel_format.side
+    block = struct.pack(
+        "<IHH4B4B8B",
+        0,  # vendor Khronos, descriptor type basic
+        _VERSION,
+        size,
+        _MODELS.get(pixel_format, _RGBSDA),
+        _BT709,
+        _SRGB if pixel_format.is_srgb else _LINEAR,
+        _PREMULTIPLIED if premultiplied else 0,
+        *(side - 1, side - 1, 0, 0),
+        *(pixel_format.block_bytes, 0, 0, 0, 0, 0, 0, 0),  # bytes of each plane
+    )
+    for sample in samples:  # all lie at the pixel's corner: positions are 0
+        block += struct.pack(
+            "<HBB4x2I", sample.offset, sample.bits - 1, sample.channel, sample.lower, sample.upper
+        )
+    return struct.pack("<I", 4 + size) + block
+
+
+def _float_bits(value: float) -> int:
+    (bits,) = struct.unpack("<I", struct.pack("<f", value))
+    return int(bits)
+
+
+def _shared_exponent() -> tuple[_Sample, ...]:
+    """Each channel's mantissa and exponent; by the specification 8448 at the exponent 15 means 1."""
+    samples: tuple[_Sample, ...] = ()
+    for channel in range(3):
+        mantissa = _Sample(9 * channel, 9, channel, 0, 8448)
+        samples = (*samples, mantissa, _Sample(27, 5, channel | _EXPONENT, 15, 31))
+    return samples
+
+
+_SAMPLES = {
+    PixelFormat.RGBA16F: tuple(
+        _Sample(16 * place, 16, channel | _SIGNED | _FLOAT, _float_bits(-1), _float_bits(1))
+        for place, channel in enumerate((0, 1, 2, _ALPHA))
+    ),
+    PixelFormat.RGBA32F: tuple(
+        _Sample(32 * place, 32, channel | _SIGNED | _FLOAT, _float_bits(-1), _float_bits(1))
+        for place, channel in enumerate((0, 1, 2, _ALPHA))
+    ),
+    PixelFormat.RGB9E5: _shared_exponent(),
+    PixelFormat.R32UI: (_Sample(0, 32, 0, 0, 1),),
+    PixelFormat.RG32UI: (_Sample(0, 32, 0, 0, 1), _Sample(32, 32, 1, 0, 1)),
+    PixelFormat.BC6H: (_Sample(0, 128, _FLOAT, _float_bits(0), _float_bits(1)),),
+    PixelFormat.BC3: (_Sample(0, 64, _ALPHA, 0, _MOST), _Sample(64, 64, 0, 0, _MOST)),
+    PixelFormat.BC3_SRGB: (_Sample(0, 64, _ALPHA | _LINEARLY, 0, _MOST), _Sample(64, 64, 0, 0, _MOST)),
+    PixelFormat.BC4: (_Sample(0, 64, 0, 0, _MOST),),
+    PixelFormat.BC7: (_Sample(0, 128, 0, 0, _MOST),),
+    PixelFormat.BC7_SRGB: (_Sample(0, 128, 0, 0, _MOST),),
+}
 
 
 class _Header(NamedTuple):
@@ -149,25 +232,6 @@ def _packed(parts: Iterable[memoryview], size: int) -> Iterator[bytes]:
     yield stream.flush()
 
 
-def read_ktx2(path: Path) -> Texture:
-    """Read a file of `write_ktx2`.
-
-    Raises FormatError, with the path, for a file that is missing, cut short, no KTX2, too large for this
-    machine's memory, or holds anything but a texture as RadTex writes it.
-    """
-    try:
-        with open_regular(path) as file:
-            size = os.fstat(file.fileno()).st_size
-            header, kind = _read_header(path, file)
-            index = _read_index(path, file, header, kind, size)
-            _check_descriptor(path, file, header, kind)
-            _check_orientation(path, file, header)
-            levels = tuple(_read_level(path, file, header, kind, index, level) for level in range(len(index)))
-    except OSError as error:
-        raise FormatError(f"{path} cannot be read: {error.strerror or error}") from error
-    return Texture(kind, header.width, header.height, levels, header.layers > 0)
-
-
 def _key_values(values: dict[bytes, bytes]) -> bytes:
     """Key/value data, sorted by key, each value ended by a NUL, each pair padded to a multiple of 4 bytes."""
     data = b""
@@ -175,96 +239,3 @@ def _key_values(values: dict[bytes, bytes]) -> bytes:
         pair = key + b"\0" + value + b"\0"
         data += struct.pack("<I", len(pair)) + pair + bytes(-len(pair) % 4)
     return data
-
-
-def _read_header(path: Path, file: BinaryIO) -> tuple[_Header, PixelFormat]:
-    head = file.read(_LAYOUT.size)
-    if head[: len(_MAGIC)] != _MAGIC[: len(head)] or not head:
-        raise FormatError(f"{path} is not a KTX2 file")
-    if len(head) < _LAYOUT.size:
-        raise FormatError(f"{path} is cut short: export it again")
-    header = _Header._make(_LAYOUT.unpack(head))
-    kinds = {number: kind for kind, number in VK_FORMATS.items()}
-    if header.vk_format not in kinds:
-        raise FormatError(f"{path} holds VkFormat {header.vk_format}: save it as {', '.join(kinds.values())}")
-    if header.depth or header.faces != 1:
-        raise FormatError(f"{path} is no 2D texture: save it without sides and depth")
-    if header.scheme not in (_NONE, _ZSTD):
-        raise FormatError(f"{path} is packed by scheme {header.scheme}: pack it by Zstandard or not at all")
-    if header.type_size != _TYPE_SIZES[kinds[header.vk_format]] or header.sgd_length:
-        raise FormatError(f"{path} is damaged, its header cannot be read: export it again")
-    if misfit := size_misfit(header.width, header.height, max(1, header.layers), header.levels):
-        raise FormatError(f"{path} has {misfit}")
-    return header, kinds[header.vk_format]
-
-
-def _read_index(path: Path, file: BinaryIO, header: _Header, kind: PixelFormat, size: int) -> list[_Level]:
-    """Read and check the level index of a file of `size` bytes, and that the levels fit into memory."""
-    length = header.levels * _LEVEL_LAYOUT.size
-    data = file.read(length)
-    if len(data) < length:
-        raise FormatError(f"{path} is cut short: export it again")
-    index = [_Level._make(fields) for fields in _LEVEL_LAYOUT.iter_unpack(data)]
-    for number, level in enumerate(index):
-        expected = int(np.prod(_shape(header, kind, number), dtype=np.int64))
-        if level.offset + level.length > size:
-            raise FormatError(f"{path} is cut short: export it again")
-        possible = level.length * _MOST_IN_A_BYTE if header.scheme else level.length
-        packed = header.scheme or level.length == expected
-        if level.unpacked != expected or possible < expected or not packed:
-            raise FormatError(f"{path} is damaged, its level {number} is not of its size: export it again")
-    if max(level.offset + level.length for level in index) != size:
-        raise FormatError(f"{path} has more in it than one texture: export it again")
-    check_memory(str(path), sum(level.length + level.unpacked for level in index))
-    return index
-
-
-def _shape(header: _Header, kind: PixelFormat, level: int) -> tuple[int, int, int, int]:
-    return blocks_shape(kind, header.width, header.height, max(1, header.layers), level)
-
-
-def _check_descriptor(path: Path, file: BinaryIO, header: _Header, kind: PixelFormat) -> None:
-    ours = [descriptor(kind, premultiplied) for premultiplied in (False, True)]
-    file.seek(header.dfd_offset)
-    if header.dfd_length != len(ours[0]) or file.read(len(ours[0])) not in ours:
-        raise FormatError(f"{path} has {kind} that RadTex does not write: export it again")
-
-
-def _check_orientation(path: Path, file: BinaryIO, header: _Header) -> None:
-    file.seek(header.kvd_offset)
-    data = file.read(min(header.kvd_length, _MOST_KEYS))
-    found = dict(_pairs(data)).get(_ORIENTATION, b"rd").rstrip(b"\0")
-    if found != _UPWARDS:
-        shown = found[:8].decode("latin-1")
-        raise FormatError(f'{path} has the orientation {shown!r}, expected "ru", v upwards: export it again')
-
-
-def _pairs(data: bytes) -> Iterator[tuple[bytes, bytes]]:
-    """Keys and values; a truncated last value is cut off."""
-    place = 0
-    while place + 4 <= len(data):
-        (length,) = struct.unpack_from("<I", data, place)
-        key, _, value = data[place + 4 : place + 4 + length].partition(b"\0")
-        yield key, value
-        place += 4 + length + -length % 4
-
-
-def _read_level(
-    path: Path, file: BinaryIO, header: _Header, kind: PixelFormat, index: list[_Level], level: int
-) -> Blocks:
-    file.seek(index[level].offset)
-    data = file.read(index[level].length)
-    if len(data) != index[level].length:
-        raise FormatError(f"{path} was cut short while it was read: export it again")
-    if header.scheme == _ZSTD:
-        data = _unpacked(path, data, index[level].unpacked)
-    return np.frombuffer(data, np.uint8).reshape(_shape(header, kind, level))
-
-
-def _unpacked(path: Path, data: bytes, size: int) -> bytes:
-    try:
-        if zstandard.get_frame_parameters(data).content_size == size:
-            return zstandard.ZstdDecompressor().decompress(data, max_output_size=size)
-    except zstandard.ZstdError as error:
-        raise FormatError(f"{path} is damaged: {error}; export it again") from error
-    raise FormatError(f"{path} is damaged, a level unpacks to another size: export it again")

@@ -13,7 +13,7 @@ import numpy as np
 from ...bake.progress import Progress
 from ...bake.spec import BakeSpec
 from ...core.atlas import AtlasLayout
-from ...core.occlusion import occlusion
+from ...core.hemisphere import occlusion
 from ...formats.bucket_files import write_buckets
 from ...formats.sidecar import Sidecar
 from ..bake_job import BakeJob

@@ -21,10 +21,10 @@ from ...core.atlas import AtlasLayout
 from ...core.surface import SurfaceMesh
 from ...formats.json_reader import Facts
 from ...formats.sidecar_file import SidecarFile
+from ...preview.lit_material import preview_ambient_material
 from ...preview.node_group import check_previewable
-from ...preview.occlusion_material import preview_ambient_material
 from ...preview.osl import no_script
-from ...textures.export_progress import Step
+from ...textures.export_spec import Step
 from ..bake_job import BakeJob
 from ..buckets.flat import flat_buckets
 from ..buckets.form import Buckets, layout_in

@@ -26,11 +26,10 @@ from ...formats.json_reader import Facts
 from ...formats.shadow_files import visible_buckets
 from ...formats.sidecar import read_sidecar
 from ...formats.sidecar_file import SidecarFile
-from ...preview.occlusion_material import preview_shadow_material
+from ...preview.lit_material import preview_shadow_material
 from ...preview.osl import no_script
 from ...textures.entry import TextureEntry
-from ...textures.export_progress import Step
-from ...textures.export_spec import ExportSpec, Target
+from ...textures.export_spec import ExportSpec, Step, Target
 from ...textures.flat_lightmap import check_means, mean_of_buckets
 from ..bake_job import BakeJob
 from ..buckets.form import Buckets

@@ -13,13 +13,12 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ...bake.capture import Capture
 from ...bake.hidden_cells import HiddenCells
 from ...bake.layers import WHOLE, captured, split_layers
 from ...bake.piece_store import NO_STORE, PieceStore
 from ...bake.plan import CapturePlan, plan_capture
 from ...bake.progress import Progress, Stage, relayed
-from ...bake.session import BYTES_PER_PIXEL, capture_bands
+from ...bake.session import BYTES_PER_PIXEL, Capture, capture_bands
 from ...bake.spec import BakeSpec, CaptureMethod
 from ...bake.thumbnail import Thumbnail
 from ...core.arrays import Floats

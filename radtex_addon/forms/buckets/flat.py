@@ -10,8 +10,8 @@ from ...core.arrays import Floats
 from ...core.atlas import AtlasLayout
 from ...core.surface import SurfaceMesh
 from ...core.texel_map import covered_texels
-from ...formats.bucket_rows import open_buckets
-from ...formats.containers.image_rows import ImageRows
+from ...formats.bucket_files import open_buckets
+from ...formats.containers.exr_rows import ImageRows
 from ...formats.sidecar import Sidecar
 from ...formats.sidecar_file import SidecarFile
 from ...textures.flat_lightmap import check_means, mean_of_buckets

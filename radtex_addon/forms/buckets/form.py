@@ -31,8 +31,7 @@ from ...preview.material import preview_material
 from ...preview.node_group import check_previewable
 from ...preview.osl import add_osl_node
 from ...textures.entry import Arranged, Container, TextureEntry
-from ...textures.export_progress import Step
-from ...textures.export_spec import ExportSpec, Target
+from ...textures.export_spec import ExportSpec, Step, Target
 from ..bake_job import BakeJob
 from ..form import Form, Opened, PreviewOf
 from ..hlsl_lookup import HlslLookup

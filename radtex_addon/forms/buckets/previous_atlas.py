@@ -13,8 +13,8 @@ from ...bake.options import MARKED
 from ...core.arrays import Floats, Ints
 from ...core.errors import InputError
 from ...core.near_digest import is_same
+from ...formats.bucket_files import count_text, read_counts
 from ...formats.containers.exr import read_buckets
-from ...formats.sample_counts import count_text, read_counts
 from ...formats.sidecar import Sidecar
 
 

@@ -12,8 +12,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ...bake.filling import fill_missing
-from ...bake.hidden_cells import HiddenCells
+from ...bake.hidden_cells import HiddenCells, fill_missing
 from ...bake.piece_store import PieceStore, PrefixedStore
 from ...bake.plan import CapturePlan, plan_capture
 from ...bake.progress import Progress, Stage, relayed

@@ -8,8 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from ...core.atlas import AtlasLayout
-from ...formats.bucket_files import BASE, image_path, read_layer
-from ...formats.bucket_rows import open_buckets, open_layer
+from ...formats.bucket_files import BASE, image_path, open_buckets, open_layer, read_layer
 from ...formats.sidecar import read_sidecar
 from ...formats.sidecar_file import SidecarFile
 from ...textures.choice import checked_levels

@@ -15,7 +15,7 @@ from ...core.gutter import covered_in_coarser, dilate, nearest_covered
 from ...core.surface import SurfaceMesh
 from ...core.texel_map import TexelMap, covered_texels, rasterise
 from ...formats.sidecar_file import SidecarFile
-from ...textures.export_progress import Step, Task
+from ...textures.export_spec import Step, Task
 from ...textures.flat_lightmap import check_surface, even_directions
 from .files.layered_files import read_layered
 from .lookup.atlas import LayeredAtlas, sample_layered

@@ -24,8 +24,7 @@ from ...formats.json_reader import Facts
 from ...formats.sidecar import Sidecar
 from ...formats.sidecar_file import SidecarFile, opened
 from ...textures.entry import TextureEntry
-from ...textures.export_progress import Step
-from ...textures.export_spec import ExportSpec, Target
+from ...textures.export_spec import ExportSpec, Step, Target
 from ..bake_job import BakeJob
 from ..buckets.form import has_samples_and_cells
 from ..form import Form, Opened, PreviewOf

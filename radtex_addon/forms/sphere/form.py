@@ -16,19 +16,18 @@ from ...bake.spec import BakeSpec
 from ...bake.transfer_views import views_along
 from ...core.arrays import Floats
 from ...core.atlas import AtlasLayout
+from ...core.sampler import with_views
 from ...core.surface import SurfaceMesh
-from ...core.transfer import with_views
 from ...formats.image_files import Shapes
 from ...formats.json_reader import Facts
 from ...formats.sidecar import Sidecar
 from ...formats.sidecar_file import SidecarFile
 from ...formats.transfer_files import TransferSidecar, read_transfer_sidecar
+from ...preview.lit_material import preview_transfer_material
 from ...preview.node_group import check_previewable
 from ...preview.osl import add_transfer_osl_node
-from ...preview.sun import preview_transfer_material
 from ...textures.entry import TextureEntry
-from ...textures.export_progress import Step
-from ...textures.export_spec import ExportSpec, Target
+from ...textures.export_spec import ExportSpec, Step, Target
 from ..bake_job import BakeJob
 from ..buckets.form import Buckets, defines, has_samples_and_cells
 from ..form import Form, PreviewOf

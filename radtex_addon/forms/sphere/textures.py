@@ -10,9 +10,9 @@ from pathlib import Path
 from ...core.arrays import Floats
 from ...core.errors import InputError
 from ...core.messages import Setting, leave_out
+from ...core.sampler import mean_over_lights
 from ...core.surface import SurfaceMesh
 from ...core.texel_map import covered_texels
-from ...core.transfer import mean_over_lights
 from ...formats.sidecar_file import SidecarFile
 from ...formats.transfer_files import open_transfer, read_transfer
 from ...textures.entry import TextureEntry

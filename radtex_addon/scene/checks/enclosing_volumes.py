@@ -6,8 +6,7 @@ from __future__ import annotations
 
 import bpy
 
-from ..objects import is_rendered
-from ..world_box import about_matrix, world_box
+from ..objects import about_matrix, is_rendered, world_box
 
 _OUTPUTS = ("OUTPUT_MATERIAL", "OUTPUT_WORLD")
 

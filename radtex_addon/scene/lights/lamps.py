@@ -4,25 +4,90 @@
 
 The lamps are replaced by copies in a light group of their own, whose pass leaves out the light of materials
 and the world; other lamps are removed. The user's lamps are not changed.
+
+Cycles splits only the combined pass by light groups. Where the passes of diffuse or glossy light are needed,
+all other light has to be taken away: that of materials and of instanced lamps.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any, cast
 
 import bpy
 
 from ...core.errors import InputError
 from ...core.messages import Setting, do, leave_out
+from ..nodes import open_world
 from ..objects import is_rendered
-from .light import dark_world, may_glow
-from .unlit import take_lamps_away
+from .light import dark_world, may_glow, without_emission
 
+_FLAGS = ("exclude", "holdout", "indirect_only")
 GROUP = "RadTexLamps"
 WORLD = "world"  # all light that is of no lamp: the world's, and that of materials
 ALL, EACH = "all", "each"  # words for the command line, besides names
 _WORDS = (WORLD, ALL, EACH)
+
+
+def take_light_away(scene: bpy.types.Scene) -> None:
+    """Remove lamps from a scratch scene, as `take_lamps_away` does, and make its world black."""
+    scene.world, _ = open_world("RadTex black")
+    take_lamps_away(scene)
+
+
+def take_lamps_away(scene: bpy.types.Scene) -> None:
+    """Remove lamps from a scratch scene.
+
+    Its collections are replaced by copies without lamps, with the same flags in view layers: the user's
+    collections are not changed. The copies are removed with the scratch scene's other data. Instanced lamps
+    stay, and so does the light of materials.
+    """
+    flags = {layer.name: list(_flags(layer.layer_collection)) for layer in scene.view_layers}
+    root, copies = scene.collection, dict[bpy.types.Collection, bpy.types.Collection]()
+    children = list(root.children)
+    for child in children:
+        root.children.unlink(child)
+    for child in children:
+        root.children.link(_copied(child, copies))
+    _drop_lamps(root)
+    for layer in scene.view_layers:
+        for shown, before in zip(_tree(layer.layer_collection), flags[layer.name], strict=True):
+            for name, value in before.items():
+                setattr(shown, name, value)
+
+
+def _copied(
+    collection: bpy.types.Collection, copies: dict[bpy.types.Collection, bpy.types.Collection]
+) -> bpy.types.Collection:
+    """The copy of a collection, made once, with copies of its children; Blender copies its own flags."""
+    if collection not in copies:
+        copy = copies[collection] = cast(bpy.types.Collection, collection.copy())
+        children = list(copy.children)
+        for child in children:
+            copy.children.unlink(child)
+        for child in children:
+            copy.children.link(_copied(child, copies))
+        _drop_lamps(copy)
+    return copies[collection]
+
+
+def _drop_lamps(collection: bpy.types.Collection) -> None:
+    for item in list(collection.objects):
+        if item.type == "LIGHT":
+            collection.objects.unlink(item)
+
+
+def _tree(layer_collection: bpy.types.LayerCollection) -> Iterator[Any]:
+    """All layer collections below this one, in order; a view layer's root itself has no flags."""
+    for child in layer_collection.children:
+        yield child
+        yield from _tree(child)
+
+
+def _flags(layer_collection: bpy.types.LayerCollection) -> Iterator[dict[str, bool]]:
+    for child in _tree(layer_collection):
+        yield {name: getattr(child, name) for name in _FLAGS}
 
 
 def each_light(layer: bpy.types.ViewLayer) -> tuple[tuple[str, ...], ...]:
@@ -125,3 +190,57 @@ def _unlit(name: str, lamps: Sequence[str]) -> str:
     if item is not None and item.type == "LIGHT":
         return f"lamp '{name}' does not render: enable it, or name another ({there})"
     return f"there is no lamp or collection '{name}': the lamps that render are {there}; {WORLD} is the rest"
+
+
+@contextmanager
+def lit_by_lamps_alone(scratch: bpy.types.Scene, names: Sequence[str]) -> Iterator[None]:
+    """Light a scratch scene as `lamps.light_only` does, but so that no pass has any other light.
+
+    Meanwhile, materials that glow and the data of lamps are exchanged for dark copies wherever they are used;
+    at the end all users have their own again. Raises InputError as `light_only` does, and if what glows is
+    linked from another file, whose users cannot be changed.
+    """
+    light_only(scratch, names, group=False)
+    if WORLD in names:
+        yield
+        return
+    for item in scratch.collection.objects:  # the lamps that are lit are copies: they keep their own data
+        if item.type == "LIGHT":
+            cast(Any, item).data = cast(bpy.types.ID, item.data).copy()
+    kept = {item.data for item in scratch.collection.objects if item.type == "LIGHT"}
+    dark = [*_materials(), *_users_of_lamps(kept)]
+    _check_users([block for block, _ in dark], names)
+    try:
+        for block, copy in dark:
+            block.user_remap(copy)
+        yield
+    finally:
+        for block, copy in dark:
+            copy.user_remap(block)
+
+
+def _check_users(blocks: Sequence[bpy.types.ID], names: Sequence[str]) -> None:
+    """Raises InputError if something that is linked from another file uses one of the blocks."""
+    for block, users in bpy.data.user_map(subset=list(blocks)).items():
+        linked = next((cast(Any, user).library for user in users if cast(Any, user).library), None)
+        if linked is not None:
+            raise InputError(
+                f"'{block.name}' of {linked.filepath} gives light, which cannot be left out of a bake of "
+                f"{', '.join(names)} alone",
+                do("make what uses it local"),
+                do("choose layout buckets", Setting.LAYOUT, value="buckets"),
+            )
+
+
+def _materials() -> Iterator[tuple[Any, Any]]:
+    for material in list(bpy.data.materials):
+        if material.users and (dark := without_emission(material)) != material:
+            yield material, dark
+
+
+def _users_of_lamps(kept: set[Any]) -> Iterator[tuple[Any, Any]]:
+    for lamp in list(bpy.data.lights):
+        if lamp.users and lamp not in kept:
+            dark: Any = bpy.data.lights.new("RadTex dark", lamp.type)
+            dark.energy = 0
+            yield lamp, dark

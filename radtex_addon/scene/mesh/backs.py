@@ -17,10 +17,10 @@ from mathutils.bvhtree import BVHTree
 
 from ...bake.progress import Progress, Stage, Steps, finished
 from ...core.arrays import Bools, Floats, Ints, blocks
-from ...core.edges import edge_keys, inner_edges
 from ...core.frame import normalised
 from ...core.islands import areas_on_surface, components, weld
 from ...core.ray_offset import ray_offset
+from ...core.surface import edge_keys, inner_edges
 from .evaluated import EvaluatedMesh, MeshAttribute
 from .mesh_parts import taken
 from .triangle_tree import triangle_tree

@@ -41,24 +41,24 @@ def read_cage(scratch: bpy.types.Scene, simple: bpy.types.Object, cage: bpy.type
 
     Both are read as renders evaluate them. Raises InputError if the cage's vertices or faces differ.
     """
-    found: list[Floats] = []
     shown = cast(bpy.types.Object, cage.copy())
     shown.hide_render = False
     scratch.collection.objects.link(shown)
 
-    def read(graph: bpy.types.Depsgraph) -> None:
+    def read(graph: bpy.types.Depsgraph) -> Floats:
         one, other = (_Faces(item.evaluated_get(graph)) for item in (simple, shown))
         _compare(simple.name, one, cage.name, other)
         world = other.places @ other.matrix[:3, :3].T + other.matrix[:3, 3]
-        found.append(world[np.unique(one.corners)])
+        used: Floats = world[np.unique(one.corners)]
+        return used
 
     try:
-        render_with(scratch, read)
+        places = render_with(scratch, read)
     finally:
         bpy.data.objects.remove(shown)
-    if not np.isfinite(found[0]).all():
+    if not np.isfinite(places).all():
         raise InputError(f"cage '{cage.name}' has vertices whose coordinates are not finite: delete them")
-    return found[0]
+    return places
 
 
 def rays_from_cage(places: Floats, surface: SurfaceMesh, texels: TexelMap) -> Floats:

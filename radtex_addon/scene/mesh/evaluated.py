@@ -12,7 +12,7 @@ import logging
 from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any, cast
+from typing import Any, TypeVar, cast
 
 import bpy
 import numpy as np
@@ -22,15 +22,16 @@ from ...core.arrays import Bools, Floats, Ints, blocks
 from ...core.errors import BakeError, InputError
 from ...core.frame import normalised
 from ...core.messages import Message
-from ..checks.missing_files import failed_drivers
+from ..checks.file_checks import failed_drivers
 from ..checks.refusals import refuse_adaptive_subdivision, refuse_displacement
-from ..made_of import drifts, made_of
+from ..geometry_digests import drifts, made_of
 from ..scratch import render_scene
 from .attribute_arrays import ATTRIBUTE_LAYOUT
-from .extent import check_extent
-from .mesh_checks import FARTHEST, check_area, check_matrix, check_positions, no_faces
+from .mesh_checks import FARTHEST, check_area, check_extent, check_matrix, check_positions, no_faces
 
 log = logging.getLogger(__name__)
+
+_Read = TypeVar("_Read")
 
 _ENGINE = "RADTEX_EVALUATE"
 _TINY = {  # settings of the private engine's render, whose picture is not used
@@ -123,17 +124,16 @@ def evaluate(scratch: bpy.types.Scene, original: bpy.types.Object) -> EvaluatedM
     no extent along an axis, too small, too large or too far away) or Cycles would move the surface
     (displacement, adaptive subdivision).
     """
-    found: list[EvaluatedMesh] = []
 
-    def read(depsgraph: bpy.types.Depsgraph) -> None:
+    def read(depsgraph: bpy.types.Depsgraph) -> EvaluatedMesh:
         rendered, instances = find_rendered(depsgraph, original)
         for complaint in failed_drivers(depsgraph.ids):
             log.warning(complaint)
-        found.append(_read_checked(depsgraph, original, rendered, instances))
+        return _read_checked(depsgraph, original, rendered, instances)
 
-    render_with(scratch, read)
-    _check(found[0])
-    return found[0]
+    mesh = render_with(scratch, read)
+    _check(mesh)
+    return mesh
 
 
 def why_not_evaluated(
@@ -214,8 +214,9 @@ def find_rendered(
     return evaluated, instances
 
 
-def render_with(scratch: bpy.types.Scene, read: Callable[[bpy.types.Depsgraph], None]) -> None:
-    """Call `read` with the depsgraph of a render of the scratch scene, and raise its exceptions here."""
+def render_with(scratch: bpy.types.Scene, read: Callable[[bpy.types.Depsgraph], _Read]) -> _Read:
+    """What `read` returns of the depsgraph of a render of the scratch scene. Raises what `read` raises."""
+    found: list[_Read] = []
     failures: list[Exception] = []
 
     class Reader(bpy.types.RenderEngine):
@@ -224,7 +225,7 @@ def render_with(scratch: bpy.types.Scene, read: Callable[[bpy.types.Depsgraph], 
 
         def render(self, depsgraph: Any) -> None:  # type: ignore[override]  # the stubs declare other arguments
             try:
-                read(depsgraph)
+                found.append(read(depsgraph))
             except Exception as error:  # noqa: BLE001 (Blender would print it and go on)
                 failures.append(error)
 
@@ -234,6 +235,7 @@ def render_with(scratch: bpy.types.Scene, read: Callable[[bpy.types.Depsgraph], 
         raise failures[0]
     if result != {"FINISHED"}:
         raise BakeError(f"Blender did not evaluate scene '{scratch.name}' for rendering: {sorted(result)}")
+    return found[0]
 
 
 @contextmanager

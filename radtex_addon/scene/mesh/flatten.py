@@ -14,8 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...bake.progress import Progress, Steps, finished, in_a_thread, relayed
-from ...core.arrays import Bools, Floats, Ints, blocks
-from ...core.edges import Edges, edge_keys, inner_edges
+from ...core.arrays import Bools, Floats, Ints, blocks, ranks
 from ...core.frame import normalised
 from ...core.islands import (
     components,
@@ -26,8 +25,7 @@ from ...core.islands import (
     uv_islands,
     weld,
 )
-from ...core.sorted_keys import ranks
-from ...core.stretch import stretches
+from ...core.surface import Edges, edge_keys, inner_edges, stretches
 from ..uv import uvunwrap_job
 from ..uv.flatten_in_parts import ALL_FLAT, flatten_in_parts
 from ..uv.unwrap_options import UnwrapOptions

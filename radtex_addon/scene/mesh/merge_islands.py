@@ -28,7 +28,7 @@ from ...core.islands import (
     triangle_islands,
     weld,
 )
-from ...core.stretch import stretches
+from ...core.surface import stretches
 from .blender_unwrap import Way, unwrapped_by_blender
 
 _SQUEEZED = (

@@ -4,10 +4,13 @@
 
 `evaluate` checks what a render shows. `check_shown` asks the viewport's evaluation, which is there already:
 it is quick, and says nothing where renders may show something else.
+
+An object needs a size and a place at which Cycles can trace rays: it computes in float32.
 """
 
 from __future__ import annotations
 
+import logging
 from typing import Any, cast
 
 import bpy
@@ -16,11 +19,52 @@ import numpy as np
 from ...core.arrays import Floats, Ints
 from ...core.errors import InputError
 from ...core.islands import areas_on_surface
+from ...core.ray_offset import ray_offset
 from ..checks.refusals import refuse_adaptive_subdivision, refuse_displacement
 
+log = logging.getLogger(__name__)
+
+_TINY, _HUGE = (
+    1e-6,
+    1e9,
+)  # scene units; a tenth of the least or 4 times the most bakes black or clear
+_OFF = 0.05  # times the diagonal: rays that start farther from the surface may start behind another object
+_LOST = 5.0  # times the diagonal: beyond this, float32 has too few different values across the object
 FARTHEST = 1e18  # the squares of larger coordinates are not finite in float32
 _MOST = 250_000  # vertices of a mesh that `check_shown` looks at: a millisecond
 _FEW = 20_000  # faces of a mesh whose area it measures
+
+
+def check_extent(name: str, position: Floats, *, warns: bool = True) -> None:
+    """Check that rays can start at an object's vertices (V, 3), in world space.
+
+    Raises InputError if the object is too small, too large, or much too far from the origin for its size; if
+    it is somewhat too far, logs a warning, if `warns`.
+    """
+    diagonal = float(np.linalg.norm(position.max(axis=0) - position.min(axis=0)))
+    if diagonal == 0:
+        return  # the checks of the surface's area report this
+    if not _TINY <= diagonal <= _HUGE:
+        raise InputError(
+            f"object '{name}' is {diagonal:.3g} scene units across, Cycles traces {_TINY:g} to {_HUGE:g}: "
+            "scale the scene"
+        )
+    off = ray_offset(position)
+    if off <= _OFF * diagonal:
+        return
+    far = float(np.abs(position).max())
+    place = f"object '{name}' stands {far:.3g} scene units from the origin and is {diagonal:.3g} across"
+    if off > _LOST * diagonal:
+        raise InputError(
+            f"{place}: Cycles rounds coordinates too much there; move the scene nearer to the origin"
+        )
+    if not warns:
+        return
+    log.warning(
+        "%s: Cycles rounds coordinates there, rays start %.2g from the surface; move the scene to the origin",
+        place,
+        off,
+    )
 
 
 def no_faces(name: str, instances: int = 0) -> InputError:

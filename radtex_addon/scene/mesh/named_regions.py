@@ -48,10 +48,9 @@ def chosen_triangles(
     its corners is a half or more. Raises InputError if no object has such a region, if an object has two, or
     if the region has no face.
     """
-    found: list[Bools] = []
 
-    def read(depsgraph: bpy.types.Depsgraph) -> None:
-        named = False
+    def read(depsgraph: bpy.types.Depsgraph) -> list[Bools]:
+        found, named = [], False
         for original in originals:
             rendered, _ = find_rendered(depsgraph, original)
             faces = None if rendered is None else _of_object(original.name, rendered, name)
@@ -59,8 +58,9 @@ def chosen_triangles(
             found.append(np.zeros(0, dtype=bool) if faces is None else faces[0])
         if not named:
             raise _nowhere(originals, name)
+        return found
 
-    render_with(scratch, read)
+    found = render_with(scratch, read)
     if not any(faces.any() for faces in found):
         raise InputError(f"no face belongs to '{name}': put some there, or name another place")
     return found

@@ -119,9 +119,7 @@ def read_render(scratch: bpy.types.Scene, read: Callable[[Iterator[Shown]], _Rea
     Things are only valid until the next one is taken. Raises BakeError where Blender does not render, and
     what `read` raises.
     """
-    found: list[_Read] = []
-    render_with(scratch, lambda graph: found.append(read(_shown_in(graph))))
-    return found[0]
+    return render_with(scratch, lambda graph: read(_shown_in(graph)))
 
 
 def _shown_in(graph: bpy.types.Depsgraph) -> Iterator[Shown]:
@@ -156,13 +154,11 @@ def matrices_in_renders(scratch: bpy.types.Scene, items: Sequence[bpy.types.Obje
 
     Raises BakeError where Blender does not render.
     """
-    found: list[Floats] = []
 
-    def read(graph: bpy.types.Depsgraph) -> None:
-        found.extend(np.array(item.evaluated_get(graph).matrix_world, dtype=np.float64) for item in items)
+    def read(graph: bpy.types.Depsgraph) -> list[Floats]:
+        return [np.array(item.evaluated_get(graph).matrix_world, dtype=np.float64) for item in items]
 
-    render_with(scratch, read)
-    return found
+    return render_with(scratch, read)
 
 
 def top_of_render(scratch: bpy.types.Scene) -> float:

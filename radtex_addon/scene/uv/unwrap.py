@@ -16,7 +16,7 @@ from functools import partial
 
 import numpy as np
 
-from ...bake.progress import Steps, finished, in_a_thread
+from ...bake.progress import Steps, in_a_thread
 from ...bake.spec import Unwrap
 from ...bake.texel_density import about_side, grown_side, rounded
 from ...core.arrays import Bools, Floats, blocks
@@ -33,8 +33,7 @@ from ..mesh.flatten import (
     islands_of,
     merge_flat,
 )
-from .closer_packing import packed_closer
-from .island_packing import Packed, pack_islands
+from .island_packing import Packed, pack_islands, packed_closer
 from .unwrap_options import UnwrapOptions, Unwrapped
 from .uvunwrap_job import MERGED, check_uvunwrap, unwrap_progress
 from .xatlas_process import XatlasProcess, check_xatlas
@@ -103,25 +102,6 @@ def unwrap_steps(
     made = yield from in_a_thread(lambda: _finish(evaluated, best, time.perf_counter() - start), done)
     _tell(evaluated.name, made)
     return made
-
-
-def unwrap_uvunwrap(evaluated: EvaluatedMesh, texels: int, options: UnwrapOptions | None = None) -> Unwrapped:
-    """Unwrap by uvunwrap, the default, without progress: see `unwrap_steps`."""
-    return finished(unwrap_steps(evaluated, texels, Unwrap.UVUNWRAP, options))
-
-
-def unwrap_xatlas(evaluated: EvaluatedMesh, texels: int, options: UnwrapOptions | None = None) -> Unwrapped:
-    """Unwrap by xatlas, without progress: see `unwrap_steps`. The log announces a long unwrap first."""
-    return finished(unwrap_steps(evaluated, texels, Unwrap.XATLAS, options))
-
-
-def unwrap_blender(evaluated: EvaluatedMesh, texels: int, options: UnwrapOptions | None = None) -> Unwrapped:
-    """Unwrap by Blender's Smart UV Project, the quick choice; packed and checked like `unwrap_xatlas`.
-
-    It works in a scene of its own: the user's mode and selection stay. Of the options for the shape of
-    islands it uses only `blender_angle`.
-    """
-    return finished(unwrap_steps(evaluated, texels, Unwrap.BLENDER, options))
 
 
 def _announce(evaluated: EvaluatedMesh, options: UnwrapOptions) -> None:

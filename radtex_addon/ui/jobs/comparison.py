@@ -40,7 +40,7 @@ def make_images(traced: Picture, baked: Picture, source: str = "") -> list[bpy.t
 
 def load_images(facts: Mapping[str, Any]) -> list[bpy.types.Image]:
     """The same images from the files in a worker's `facts`, unless already loaded. Raises FormatError."""
-    from ...report.comparison_files import read_picture
+    from ...report.side_by_side import read_picture
 
     source = str(facts["traced"])
     images = [image for name in (TRACED, BAKED, DIFFERENCE) if (image := _ours(name)) is not None]

@@ -102,7 +102,7 @@ class RADTEX_OT_make_asset(_Shows, bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
         from ...core.errors import RadTexError
-        from ...preview.assets import make_assets
+        from ...preview.apply_copy import make_assets
 
         scene, layer = shown(context)
         names: list[str] = []

@@ -11,10 +11,10 @@ from typing import Any, cast
 
 import bpy
 
+from ...bake.cost import check_memory
 from ...bake.forms import FormTraits
 from ...bake.frame_numbers import parse_frames
 from ...bake.kinds import KindTraits, Layout, form_in
-from ...bake.memory_limits import check_memory
 from ...bake.options import DEFAULT_FOLDER, OPTIONS, BakeOptions
 from ...bake.spec import BakeSpec, Layer, parse_kind, parse_layout
 from ...core.errors import InputError

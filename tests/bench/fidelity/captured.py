@@ -18,7 +18,7 @@ from radtex_addon.bake.progress import finished
 from radtex_addon.bake.rays import FINER
 from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.arrays import Floats
-from radtex_addon.core.bilinear import bilinear
+from radtex_addon.core.sampler import bilinear
 from radtex_addon.cycles.path_ends import Body
 from radtex_addon.forms.layered.capture.opacity import find_alpha_map
 from radtex_addon.forms.layered.capture.surface_alone import surface_alone

@@ -12,10 +12,9 @@ from radtex_addon.bake.blocks import in_blocks, planes
 from radtex_addon.bake.light_samples import LightSamples
 from radtex_addon.bake.plan import plan_of_some
 from radtex_addon.core.arrays import Floats
-from radtex_addon.core.bilinear import bilinear
 from radtex_addon.core.colour_spaces import LUMINANCE
-from radtex_addon.core.hemisphere import square_to_direction
-from radtex_addon.core.solid_angle import cell_solid_angles_sr
+from radtex_addon.core.hemisphere import cell_solid_angles_sr, square_to_direction
+from radtex_addon.core.sampler import bilinear
 from radtex_addon.forms.layered.fit.diffuse import GRAZING
 
 from .single_paths import SinglePaths

@@ -14,7 +14,7 @@ from functools import cache
 import numpy as np
 
 from radtex_addon.core.arrays import Floats
-from radtex_addon.core.bilinear import bilinear
+from radtex_addon.core.sampler import bilinear
 
 _SIZE = 32
 _RAYS = 1024

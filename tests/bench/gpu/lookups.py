@@ -11,10 +11,9 @@ from typing import Any
 import moderngl
 import numpy as np
 
+from radtex_addon.core.arrangements import fitting_levels, to_slices
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
-from radtex_addon.core.levels import fitting_levels
-from radtex_addon.core.slices import to_slices
 from radtex_addon.formats.codecs.srgb import to_srgb
 from radtex_addon.formats.containers.texture import PixelFormat, Texture
 from tests.real.opengl import AnyTexture, cube_of_levels, in_blocks, mipmapped, uniform

@@ -22,9 +22,8 @@ import numpy as np
 
 from radtex_addon.core.errors import RadTexError
 from radtex_addon.core.islands import uv_islands, weld
-from radtex_addon.core.map_picture import draw_map
-from radtex_addon.core.stretch import stretches
-from radtex_addon.core.uv_map import UvMap
+from radtex_addon.core.surface import stretches
+from radtex_addon.core.uv_map import UvMap, draw_map
 from radtex_addon.formats.containers.png import encode_png
 from radtex_addon.scene.mesh.evaluated import EvaluatedMesh
 from radtex_addon.scene.mesh.flatten import islands_of

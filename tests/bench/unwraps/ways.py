@@ -19,8 +19,7 @@ from radtex_addon.scene.mesh.blender_unwrap import Way, unwrapped_by_blender
 from radtex_addon.scene.mesh.evaluated import EvaluatedMesh, evaluate
 from radtex_addon.scene.mesh.flatten import FlatIslands, flatten_with_uvunwrap, islands_of, smooth_corners
 from radtex_addon.scene.scratch import scratch_scene
-from radtex_addon.scene.uv.closer_packing import packed_closer
-from radtex_addon.scene.uv.island_packing import pack_islands
+from radtex_addon.scene.uv.island_packing import pack_islands, packed_closer
 from radtex_addon.scene.uv.unwrap import unwrap_steps
 from radtex_addon.scene.uv.unwrap_options import UnwrapOptions, Unwrapped
 

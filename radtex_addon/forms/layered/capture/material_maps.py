@@ -24,7 +24,7 @@ from ....cycles.passes import attributes_of, colour_of, light_of
 from ....cycles.path_ends import Body, path_ends
 from ....cycles.portal import Aim, PortalCapture
 from ....cycles.sampling import straight_shifts, tiles_of
-from ....scene.checks.camera_nodes import Outputs, nodes_asked
+from ....scene.checks.camera_checks import Outputs, nodes_asked
 from .own_rays import dark_world
 from .surface_alone import Clear
 

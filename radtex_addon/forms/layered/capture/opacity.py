@@ -15,8 +15,8 @@ from ....bake.light_samples import EndSamples, LightSamples
 from ....bake.piece_store import NO_STORE, Arrays, PieceStore
 from ....bake.plan import CapturePlan
 from ....core.arrays import Floats, Ints
-from ....core.bilinear import bilinear
 from ....core.errors import InputError
+from ....core.sampler import bilinear
 from ....cycles.path_ends import Body
 from ....scene.scratch import scene_copied
 from ..fit.texel_maps import texel_middles

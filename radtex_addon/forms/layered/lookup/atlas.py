@@ -13,9 +13,9 @@ import numpy as np
 from ....bake.light_samples import Some
 from ....bake.pooling import corner_cells, corners
 from ....core.arrays import Floats, Ints
-from ....core.bilinear import bilinear, bilinear_texels
 from ....core.fragments import Fragments
 from ....core.octahedron import direction_to_octahedron
+from ....core.sampler import bilinear, bilinear_texels
 from .environment import Around
 from .falloffs import falloff_at
 from .lobes import Material, bent

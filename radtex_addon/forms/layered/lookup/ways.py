@@ -15,8 +15,8 @@ from typing import cast
 import numpy as np
 
 from ....core.arrays import Floats, Ints
-from ....core.bilinear import bilinear, bilinear_texels
 from ....core.hemisphere import direction_to_square
+from ....core.sampler import bilinear, bilinear_texels
 from .environment import Around
 
 Frame = tuple[Floats, Floats, Floats]  # tangent, bitangent and normal, (N, 3) each, in world space

@@ -12,8 +12,7 @@ from collections.abc import Iterable, Mapping
 import bpy
 
 from ....core.errors import InputError
-from ....preview.octahedron_group import in_working_space, octahedron_group
-from ....preview.taps import readable_size
+from ....preview.taps import in_working_space, octahedron_group, readable_size
 from ....scene.nodes import NodeBuilder, Socket, close_group, open_group
 from ..files.arrangement import ALPHA, COLOUR, IRRADIANCE, NORMAL, OWN, REST, TINT, WIDTH
 from ..files.sidecar import LayeredSidecar

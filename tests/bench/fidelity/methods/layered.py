@@ -19,7 +19,7 @@ from radtex_addon.forms.layered.fit.fitting import fit_layered
 from radtex_addon.forms.layered.fit.parts import ALL_PARTS, Parts
 from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas, alpha_at, sample_layered
 from radtex_addon.report.gbuffer import Array, GBuffer
-from radtex_addon.scene.checks.camera_nodes import camera_materials
+from radtex_addon.scene.checks.camera_checks import camera_materials
 
 from ..layered.sizes import texture_bytes
 from ..layered.staged import Staged, capture_staged

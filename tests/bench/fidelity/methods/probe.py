@@ -15,7 +15,7 @@ import numpy as np
 
 from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.arrays import Floats
-from radtex_addon.core.bilinear import bilinear
+from radtex_addon.core.sampler import bilinear
 from radtex_addon.report.gbuffer import Array, GBuffer
 
 from ..captured import Captured, OfCapture

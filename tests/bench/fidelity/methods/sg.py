@@ -17,8 +17,8 @@ import numpy as np
 from radtex_addon.bake.plan import CapturePlan
 from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.arrays import Floats
-from radtex_addon.core.bilinear import bilinear
 from radtex_addon.core.hemisphere import square_to_direction
+from radtex_addon.core.sampler import bilinear
 from radtex_addon.report.gbuffer import Array, GBuffer
 
 from ..captured import Captured, OfCapture

@@ -1,23 +1,54 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The frame of a bake as uv sets 1 to 4 of a mesh, for engines whose importers change normals and tangents.
-
-Importers turn a mesh into their engine's axes, normals and tangents each in its own way (glTFast negates x of
-normals but z of tangents, and leaves the bitangent's sign), or compute tangents of their own. Attributes with
-names of ours they leave out. Sets of uv they keep, all in the same way as the first.
-"""
+"""What the folders for Unity and Unreal share: the frame in the mesh, and materials as HLSL."""
 
 from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 
 from ..core.frame import normalised
 from ..formats.containers.glb import Glb
+from ..forms.hlsl_lookup import Number
+from ..scene.mesh.copy import MATERIAL
 from .node_matrix import baked_matrix
 
 ATTRIBUTES = "TEXCOORD_0 is the baked UV layer, TEXCOORD_1 to 4 its frame."  # for a README
 TANGENT_XY, TANGENT_Z_SIDE, NORMAL_XY, NORMAL_Z = (f"TEXCOORD_{number}" for number in range(1, 5))
 _TO_GLTF = np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]])  # from Blender's axes: gltf.to_gltf
+
+
+def define_lines(defines: Mapping[str, int | str]) -> str:
+    """The #defines, one a line."""
+    return "\n".join(f"#define {name} {value}" for name, value in defines.items())
+
+
+def constant_lines(constants: Iterable[Number]) -> str:
+    """Constants of a file, outside functions."""
+    lines = []
+    for each in constants:
+        if each.count:
+            rows = ",\n    ".join(each.rows)
+            lines.append(f"static const {each.kind} {each.name}[{each.count}] = {{\n    {rows}\n}};")
+        else:
+            lines.append(f"static const {each.kind} {each.name} = {each.rows[0]};")
+    return "\n".join(lines)
+
+
+def material_numbers(glb: Glb) -> dict[str, int]:
+    """The mesh's materials by name, in order, and the number of each among the shader's."""
+    return {each["name"]: each.get("extras", {}).get(MATERIAL, 0) for each in glb.document["materials"]}
+
+
+def is_clear(glb: Glb) -> bool:
+    """Whether something of the surface lets what is behind it be seen."""
+    return any(each.get("alphaMode") == "BLEND" for each in glb.document["materials"])
+
+
+def indented(text: str, depth: int = 4) -> str:
+    """Lines that begin so many spaces farther in."""
+    return "\n".join(f"{' ' * depth}{line}" if line else line for line in text.removesuffix("\n").split("\n"))
 
 
 def carry_frame(glb: Glb) -> None:

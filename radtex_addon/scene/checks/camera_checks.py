@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Find materials whose nodes depend on the camera: a bake's camera rays are short and start at the object."""
+"""Find what depends on the camera: a bake has its own, whose rays are short and start at the object."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import bpy
 
 from .see_through import materials_of
 
+_INPUT = "GeometryNodeInputActiveCamera"
 Outputs: TypeAlias = Mapping[str, frozenset[str]]  # names of output sockets by node type
 
 _ASKS: Outputs = {
@@ -18,6 +19,39 @@ _ASKS: Outputs = {
     "LIGHT_PATH": frozenset({"Ray Length", "Portal Depth"}),
     "TEX_COORD": frozenset({"Camera", "Window"}),
 }
+
+
+def camera_dependent(layer: bpy.types.ViewLayer) -> list[str]:
+    """Warnings about rendered objects of a view layer whose modifiers follow the active camera."""
+    layer.update()  # or it lists objects that a script has just removed
+    return [
+        f"object '{item.name}' follows the active camera by its modifier '{name}', and a bake has "
+        "a camera of its own: name the camera in an Object Info node instead"
+        for item in layer.objects
+        if not item.hide_render
+        for name in _objects_asking(item)
+    ]
+
+
+def _objects_asking(item: bpy.types.Object) -> Iterator[str]:
+    modifiers: Any = item.modifiers
+    for modifier in modifiers:
+        if modifier.type == "NODES" and modifier.show_render and _asks(modifier.node_group, set()):
+            yield modifier.name
+
+
+def _asks(tree: Any, seen: set[Any]) -> bool:
+    if tree is None or tree in seen:
+        return False
+    seen.add(tree)
+    for node in tree.nodes:
+        if node.mute:
+            continue
+        if node.bl_idname == _INPUT and any(output.is_linked for output in node.outputs):
+            return True
+        if node.type == "GROUP" and _asks(node.node_tree, seen):
+            return True
+    return False
 
 
 def camera_materials(item: bpy.types.Object) -> list[str]:
