@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 RadTex authors
 // SPDX-License-Identifier: MIT
+// Written by .ci/build_shaders.py from source/radtex.c: edit that.
 //
 // Look up a radiance texture: WGSL. Put it before your shader's text, then
 //
@@ -25,7 +26,8 @@ fn radtex_incidence(to_viewer: vec3f, normal: vec3f, tangent: vec3f, bitangent_s
     let N = normalize(normal);
     var T = tangent / max(length(tangent), 1e-30);
     T -= N * dot(N, T);
-    if dot(T, T) < 1e-8 { T = cross(select(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 0.0, 1.0), abs(N.z) < 0.9), N); }
+    let degenerate = dot(T, T) < 1e-8;
+    if degenerate { T = cross(select(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 0.0, 1.0), abs(N.z) < 0.9), N); }
     T = normalize(T);
     let Bt = sign(bitangent_sign) * cross(N, T);
     let V = normalize(to_viewer);
@@ -34,63 +36,56 @@ fn radtex_incidence(to_viewer: vec3f, normal: vec3f, tangent: vec3f, bitangent_s
 
 // Where a unit direction in the frame lies in its bucket: B in [-1, 1]^2. Below the horizon: the rim, at its azimuth.
 fn radtex_bucket(I: vec3f) -> vec2f {
-    var A = I.xy / sqrt(max(1.0 + I.z, 1e-30));         // equisolid: sqrt(2) I.xy / |I + (0,0,1)|, for a unit I
-    A /= max(length(A), 1.0);
-    let widest = max(abs(A.x), abs(A.y));
-    return A * (length(A) / max(widest, 1e-30));        // disc to square: A |A| / max(|A.x|, |A.y|)
+    // |A|^2; equisolid: A = sqrt(2) I.xy / |I + (0,0,1)|, |I| = 1
+    let A2 = dot(I.xy, I.xy) / max(1.0 + I.z, 1e-30);
+    let widest = max(abs(I.x), abs(I.y));
+    return I.xy * (sqrt(min(A2, 1.0)) / max(widest, 1e-30));  // disc to square: A |A| / max(|A.x|, |A.y|)
 }
 
-// Where to look between whole numbers: the pixels or texels around, and how far towards `high`.
-struct RadtexBetween { low: vec2i, high: vec2i, f: vec2f }
-
-// The four cells around B, never beyond the bucket's own: the bleed guard, B in [1/n - 1, 1 - 1/n].
-fn radtex_cells(n: i32, B: vec2f) -> RadtexBetween {
-    let position = clamp((B + 1.0) * 0.5 * f32(n), vec2f(0.5), vec2f(f32(n) - 0.5)) - 0.5;
-    let low = vec2i(position);
-    return RadtexBetween(low, min(low + 1, vec2i(n - 1)), position - vec2f(low));
+// One texel's cell, which is a pixel of the atlas.
+fn radtex_cell(atlas: texture_2d<f32>, texel: vec2i, n: i32, cell: vec2i, level: i32) -> vec4f {
+    return textureLoad(atlas, texel * n + cell, level);
 }
 
-// The four texels around `uv` at a mip level, never beyond the atlas's edge.
-fn radtex_around(texels: vec2i, uv: vec2f, level: i32) -> RadtexBetween {
-    let position = uv * vec2f(texels) / f32(1u << u32(level)) - 0.5;
-    let last = (texels - 1) >> vec2u(u32(level));       // ceil(texels / 2^level) - 1
-    let corner = vec2i(floor(position));
-    return RadtexBetween(clamp(corner, vec2i(0), last), clamp(corner + 1, vec2i(0), last), fract(position));
-}
-
-// Bilinear between four values, in the order in which rows are read.
-fn radtex_mix(a: vec4f, b: vec4f, c: vec4f, d: vec4f, f: vec2f) -> vec4f {
-    return mix(mix(a, b, f.x), mix(c, d, f.x), f.y);
-}
-
-// One texel's bucket at B, by cells or bilinear between the four around it.
+// One texel's bucket at B, by cells or bilinear between the four around it, never beyond the bucket's own.
 fn radtex_texel(atlas: texture_2d<f32>, texel: vec2i, n: i32, B: vec2f, blend: bool, level: i32) -> vec4f {
-    let origin = texel * n;
+    let last = vec2i(n - 1, n - 1);
+    let inner = f32(n) - 0.5;
+    var position = (B + 1.0) * 0.5 * f32(n);
     if !blend {
-        let cell = clamp(vec2i((B + 1.0) * 0.5 * f32(n)), vec2i(0), vec2i(n - 1));
-        return textureLoad(atlas, origin + cell, level);
+        return radtex_cell(atlas, texel, n, clamp(vec2i(position), vec2i(0, 0), last), level);
     }
-    let c = radtex_cells(n, B);
-    return radtex_mix(textureLoad(atlas, origin + c.low, level),
-                      textureLoad(atlas, origin + vec2i(c.high.x, c.low.y), level),
-                      textureLoad(atlas, origin + vec2i(c.low.x, c.high.y), level),
-                      textureLoad(atlas, origin + c.high, level), c.f);
+    position = clamp(position, vec2f(0.5, 0.5), vec2f(inner, inner));  // the bleed guard: B in [1/n - 1, 1 - 1/n]
+    let low = vec2i(position - 0.5);
+    let high = min(low + 1, last);
+    let f = position - 0.5 - vec2f(low);
+    let below = mix(radtex_cell(atlas, texel, n, low, level),
+        radtex_cell(atlas, texel, n, vec2i(high.x, low.y), level), f.x);
+    let above = mix(radtex_cell(atlas, texel, n, vec2i(low.x, high.y), level),
+        radtex_cell(atlas, texel, n, high, level), f.x);
+    return mix(below, above, f.y);
 }
 
 // The four texels around `uv`, each bilinear in its bucket. Level L averages blocks of 2^L x 2^L texels, cell by cell.
 fn radtex_four(atlas: texture_2d<f32>, texels: vec2i, n: i32, uv: vec2f, B: vec2f, level: i32) -> vec4f {
-    let t = radtex_around(texels, uv, level);
-    return radtex_mix(radtex_texel(atlas, t.low, n, B, true, level),
-                      radtex_texel(atlas, vec2i(t.high.x, t.low.y), n, B, true, level),
-                      radtex_texel(atlas, vec2i(t.low.x, t.high.y), n, B, true, level),
-                      radtex_texel(atlas, t.high, n, B, true, level), t.f);
+    let position = uv * vec2f(texels) / f32(1 << u32(level)) - 0.5;
+    let last = vec2i((texels.x - 1) >> u32(level), (texels.y - 1) >> u32(level));  // ceil(texels / 2^L) - 1
+    let corner = vec2i(floor(position));
+    let low = clamp(corner, vec2i(0, 0), last);
+    let high = clamp(corner + 1, vec2i(0, 0), last);
+    let f = fract(position);
+    let below = mix(radtex_texel(atlas, low, n, B, true, level),
+        radtex_texel(atlas, vec2i(high.x, low.y), n, B, true, level), f.x);
+    let above = mix(radtex_texel(atlas, vec2i(low.x, high.y), n, B, true, level),
+        radtex_texel(atlas, high, n, B, true, level), f.x);
+    return mix(below, above, f.y);
 }
 
 // Radiance (rgb, premultiplied) and alpha that leave the surface at `uv` in the direction I of the frame.
 fn radtex_sample(atlas: texture_2d<f32>, texels: vec2i, n: i32, uv: vec2f, I: vec3f, mode: i32) -> vec4f {
     let B = radtex_bucket(I);
     if mode == RADTEX_QUADRILINEAR { return radtex_four(atlas, texels, n, uv, B, 0); }
-    let texel = clamp(vec2i(floor(uv * vec2f(texels))), vec2i(0), texels - 1);
+    let texel = clamp(vec2i(floor(uv * vec2f(texels))), vec2i(0, 0), texels - 1);
     return radtex_texel(atlas, texel, n, B, mode == RADTEX_LINEAR, 0);
 }
 
@@ -108,12 +103,12 @@ fn radtex_sample_level(atlas: texture_2d<f32>, texels: vec2i, n: i32, uv: vec2f,
     let B = radtex_bucket(I);
     let low = i32(level);
     let sharper = radtex_four(atlas, texels, n, uv, B, low);
-    if level == f32(low) { return sharper; }            // always so where the texture is magnified
+    if level == f32(low) { return sharper; }  // always so where the texture is magnified
     return mix(sharper, radtex_four(atlas, texels, n, uv, B, low + 1), level - f32(low));
 }
 
-// The mip level at which a texel is as wide as a pixel of the screen: log2 of the longer derivative, in texels. Only in
-// the fragment stage, in uniform control flow.
+// The mip level at which a texel is as wide as a pixel of the screen: log2 of the longer derivative, in texels.
+// Only in the fragment stage, in uniform control flow.
 fn radtex_level(uv: vec2f, texels: vec2i, levels: i32) -> f32 {
     let across = dpdx(uv) * vec2f(texels);
     let up = dpdy(uv) * vec2f(texels);
@@ -121,65 +116,103 @@ fn radtex_level(uv: vec2f, texels: vec2i, levels: i32) -> f32 {
 }
 
 // The quadrilinear filter of slices: layer q * n + p holds the cell (p, q) of all texels, so that the four cells around
-// B take one hardware lookup each, with mipmaps and anisotropy. Only in the fragment stage, in uniform control flow.
+// B take one hardware lookup each, with mipmaps and anisotropy. Never call it where pixels go different ways.
 fn radtex_slices(slices: texture_2d_array<f32>, filtering: sampler, n: i32, uv: vec2f, I: vec3f) -> vec4f {
-    let c = radtex_cells(n, radtex_bucket(I));
-    return radtex_mix(textureSample(slices, filtering, uv, c.low.y * n + c.low.x),
-                      textureSample(slices, filtering, uv, c.low.y * n + c.high.x),
-                      textureSample(slices, filtering, uv, c.high.y * n + c.low.x),
-                      textureSample(slices, filtering, uv, c.high.y * n + c.high.x), c.f);
+    let inner = f32(n) - 0.5;  // the bleed guard
+    let position = clamp((radtex_bucket(I) + 1.0) * 0.5 * f32(n), vec2f(0.5, 0.5), vec2f(inner, inner)) - 0.5;
+    var low = vec2i(position);
+    var high = min(low + 1, vec2i(n - 1, n - 1));
+    let f = position - vec2f(low);
+    low.y *= n;
+    high.y *= n;
+    let below = mix(textureSample(slices, filtering, uv, low.y + low.x),
+        textureSample(slices, filtering, uv, low.y + high.x), f.x);
+    let above = mix(textureSample(slices, filtering, uv, high.y + low.x),
+        textureSample(slices, filtering, uv, high.y + high.x), f.x);
+    return mix(below, above, f.y);
 }
 
 // The same at a mip level of your choice, in any stage.
 fn radtex_slices_level(slices: texture_2d_array<f32>, filtering: sampler, n: i32, uv: vec2f, I: vec3f,
                        level: f32) -> vec4f {
-    let c = radtex_cells(n, radtex_bucket(I));
-    return radtex_mix(textureSampleLevel(slices, filtering, uv, c.low.y * n + c.low.x, level),
-                      textureSampleLevel(slices, filtering, uv, c.low.y * n + c.high.x, level),
-                      textureSampleLevel(slices, filtering, uv, c.high.y * n + c.low.x, level),
-                      textureSampleLevel(slices, filtering, uv, c.high.y * n + c.high.x, level), c.f);
+    let inner = f32(n) - 0.5;
+    let position = clamp((radtex_bucket(I) + 1.0) * 0.5 * f32(n), vec2f(0.5, 0.5), vec2f(inner, inner)) - 0.5;
+    let low = vec2i(position);
+    let high = min(low + 1, vec2i(n - 1, n - 1));
+    let f = position - vec2f(low);
+    let below = mix(textureSampleLevel(slices, filtering, uv, low.y * n + low.x, level),
+        textureSampleLevel(slices, filtering, uv, low.y * n + high.x, level), f.x);
+    let above = mix(textureSampleLevel(slices, filtering, uv, high.y * n + low.x, level),
+        textureSampleLevel(slices, filtering, uv, high.y * n + high.x, level), f.x);
+    return mix(below, above, f.y);
 }
 
-// As radtex_texel, blended by the sampler: one lookup. Its weights have 8 bits.
-fn radtex_texel_filtered(atlas: texture_2d<f32>, filtering: sampler, texel: vec2i, n: i32, B: vec2f,
+// One texel's cell, which is a pixel of the atlas.
+fn radtex_cell_filtered(atlas: texture_2d<f32>, filtering: sampler, texel: vec2i, n: i32, cell: vec2i,
+                        level: i32) -> vec4f {
+    return textureLoad(atlas, texel * n + cell, level);
+}
+
+// The same between cells, their centres at a half, by the sampler, which must be linear: one lookup. It weighs by 8 bits.
+fn radtex_between_filtered(atlas: texture_2d<f32>, filtering: sampler, texel: vec2i, n: i32, position: vec2f,
+                           level: i32) -> vec4f {
+    let size = vec2f(textureDimensions(atlas, level));
+    return textureSampleLevel(atlas, filtering, (vec2f(texel * n) + position) / size, f32(level));
+}
+
+// One texel's bucket at B, by cells or bilinear between the four around it, never beyond the bucket's own.
+fn radtex_texel_filtered(atlas: texture_2d<f32>, filtering: sampler, texel: vec2i, n: i32, B: vec2f, blend: bool,
                          level: i32) -> vec4f {
-    let c = radtex_cells(n, B);
-    let position = vec2f(texel * n + c.low) + c.f + 0.5;
-    return textureSampleLevel(atlas, filtering, position / vec2f(textureDimensions(atlas, level)), f32(level));
+    let last = vec2i(n - 1, n - 1);
+    let inner = f32(n) - 0.5;
+    var position = (B + 1.0) * 0.5 * f32(n);
+    if !blend {
+        return radtex_cell_filtered(atlas, filtering, texel, n, clamp(vec2i(position), vec2i(0, 0), last), level);
+    }
+    position = clamp(position, vec2f(0.5, 0.5), vec2f(inner, inner));  // the bleed guard: B in [1/n - 1, 1 - 1/n]
+    return radtex_between_filtered(atlas, filtering, texel, n, position, level);
 }
 
-// As radtex_four.
+// The four texels around `uv`, each bilinear in its bucket. Level L averages blocks of 2^L x 2^L texels, cell by cell.
 fn radtex_four_filtered(atlas: texture_2d<f32>, filtering: sampler, texels: vec2i, n: i32, uv: vec2f, B: vec2f,
-                          level: i32) -> vec4f {
-    let t = radtex_around(texels, uv, level);
-    return radtex_mix(radtex_texel_filtered(atlas, filtering, t.low, n, B, level),
-                      radtex_texel_filtered(atlas, filtering, vec2i(t.high.x, t.low.y), n, B, level),
-                      radtex_texel_filtered(atlas, filtering, vec2i(t.low.x, t.high.y), n, B, level),
-                      radtex_texel_filtered(atlas, filtering, t.high, n, B, level), t.f);
+                        level: i32) -> vec4f {
+    let position = uv * vec2f(texels) / f32(1 << u32(level)) - 0.5;
+    let last = vec2i((texels.x - 1) >> u32(level), (texels.y - 1) >> u32(level));  // ceil(texels / 2^L) - 1
+    let corner = vec2i(floor(position));
+    let low = clamp(corner, vec2i(0, 0), last);
+    let high = clamp(corner + 1, vec2i(0, 0), last);
+    let f = fract(position);
+    let below = mix(radtex_texel_filtered(atlas, filtering, low, n, B, true, level),
+        radtex_texel_filtered(atlas, filtering, vec2i(high.x, low.y), n, B, true, level), f.x);
+    let above = mix(radtex_texel_filtered(atlas, filtering, vec2i(low.x, high.y), n, B, true, level),
+        radtex_texel_filtered(atlas, filtering, high, n, B, true, level), f.x);
+    return mix(below, above, f.y);
 }
 
-// As radtex_sample, but for RADTEX_NEAREST, which needs no sampler.
+// Radiance (rgb, premultiplied) and alpha that leave the surface at `uv` in the direction I of the frame.
 fn radtex_sample_filtered(atlas: texture_2d<f32>, filtering: sampler, texels: vec2i, n: i32, uv: vec2f, I: vec3f,
                           mode: i32) -> vec4f {
     let B = radtex_bucket(I);
     if mode == RADTEX_QUADRILINEAR { return radtex_four_filtered(atlas, filtering, texels, n, uv, B, 0); }
-    let texel = clamp(vec2i(floor(uv * vec2f(texels))), vec2i(0), texels - 1);
-    return radtex_texel_filtered(atlas, filtering, texel, n, B, 0);
+    let texel = clamp(vec2i(floor(uv * vec2f(texels))), vec2i(0, 0), texels - 1);
+    return radtex_texel_filtered(atlas, filtering, texel, n, B, mode == RADTEX_LINEAR, 0);
 }
 
-// As radtex_hit, but for RADTEX_NEAREST.
+// What a ray finds where it hits the surface at `uv`: radtex_sample towards where it comes from. `ray` leads to the
+// surface, in the space of the other vectors, of any length but zero. One from behind the normal takes the rim: at a
+// slant a smooth normal turns away from rays that do hit the front. A ray that meets a facet's back is no hit.
 fn radtex_hit_filtered(atlas: texture_2d<f32>, filtering: sampler, texels: vec2i, n: i32, uv: vec2f, ray: vec3f,
                        normal: vec3f, tangent: vec3f, bitangent_sign: f32, mode: i32) -> vec4f {
     let I = radtex_incidence(-ray, normal, tangent, bitangent_sign);
     return radtex_sample_filtered(atlas, filtering, texels, n, uv, I, mode);
 }
 
-// As radtex_sample_level.
+// As radtex_sample, quadrilinear, between the mip levels around `level`, which is 0 or more and the atlas's last at most.
 fn radtex_sample_level_filtered(atlas: texture_2d<f32>, filtering: sampler, texels: vec2i, n: i32, uv: vec2f, I: vec3f,
                                 level: f32) -> vec4f {
     let B = radtex_bucket(I);
     let low = i32(level);
     let sharper = radtex_four_filtered(atlas, filtering, texels, n, uv, B, low);
-    if level == f32(low) { return sharper; }
+    if level == f32(low) { return sharper; }  // always so where the texture is magnified
     return mix(sharper, radtex_four_filtered(atlas, filtering, texels, n, uv, B, low + 1), level - f32(low));
 }

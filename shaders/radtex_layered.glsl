@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 RadTex authors
 // SPDX-License-Identifier: MIT
+// Written by .ci/build_shaders.py from source/radtex_layered.c: edit that.
 //
 // Look up a radiance texture in the layered layout: GLSL 330 and later, GLSL ES 300 (WebGL 2) and later. Define what
 // the bake has, include this file, then
@@ -55,7 +56,8 @@ precision highp sampler2D;
 // By N.V: the falloff, and the sine by which lobes bend towards the normal.
 uniform vec4 radtex_material[16 * RADTEX_MATERIALS];
 uniform sampler2D radtex_colour_map, radtex_irradiance_map, radtex_rest_map;
-uniform vec4 radtex_colour_range, radtex_irradiance_range;  // part of width and height, scale, offset
+uniform vec4 radtex_colour_range;  // part of width and height, scale, offset
+uniform vec4 radtex_irradiance_range;
 uniform vec4 radtex_rest_range;  // the size of a tile in place of the part
 uniform vec4 radtex_rest_tile;  // size of a tile without its padding, and half a texel, in units of a tile
 #ifdef RADTEX_TINT
@@ -92,7 +94,8 @@ uniform vec4 radtex_plane_place;  // its normal and height, from the middle
 uniform vec4 radtex_plane_eye;    // where its picture was taken from, and how high above the plane that is
 #endif
 #ifdef RADTEX_THINGS
-uniform sampler2D radtex_things_map, radtex_distances_map;
+uniform sampler2D radtex_things_map;
+uniform sampler2D radtex_distances_map;
 uniform vec4 radtex_things_range, radtex_things_levels, radtex_distances_range;
 uniform vec4 radtex_distances_size;  // texels along a side, and the mean distance
 #endif
@@ -112,6 +115,11 @@ vec4 radtex_map(sampler2D image, vec4 range, vec2 uv) {
 #endif
 }
 
+// The same of a map of colours.
+vec3 radtex_colours(sampler2D image, vec4 range, vec2 uv) {
+    return radtex_map(image, range, uv).rgb;
+}
+
 // How much a fragment hides of what lies behind it.
 float radtex_alpha(vec2 uv) {
 #ifdef RADTEX_ALPHA
@@ -122,8 +130,8 @@ float radtex_alpha(vec2 uv) {
 }
 
 // Where a direction, of any length, lies on the octahedron's square: 0 to 1.
-vec2 radtex_square(vec3 d) {
-    d *= 1.0 / max(abs(d.x) + abs(d.y) + abs(d.z), 1e-30);
+vec2 radtex_square(vec3 direction) {
+    vec3 d = direction * (1.0 / max(abs(direction.x) + abs(direction.y) + abs(direction.z), 1e-30));
     vec2 folded = (1.0 - abs(d.yx)) * vec2(d.x < 0.0 ? -1.0 : 1.0, d.y < 0.0 ? -1.0 : 1.0);
     return (d.z < 0.0 ? folded : d.xy) * 0.5 + 0.5;
 }
@@ -136,7 +144,7 @@ struct RadtexCells {
 
 // A cell beyond an edge is the one that lies there on the sphere: the same edge's, mirrored at its middle.
 vec2 radtex_folded(vec2 cell, float last) {
-    vec2 inside = clamp(cell, 0.0, last);
+    vec2 inside = clamp(cell, vec2(0.0, 0.0), vec2(last, last));
     return vec2(cell.y != inside.y ? last - inside.x : inside.x, cell.x != inside.x ? last - inside.y : inside.y);
 }
 
@@ -186,10 +194,11 @@ vec4 radtex_four_taps(sampler2D image, RadtexCells cells, vec2 inside, vec2 size
 
 // What lobes and other paths, in coarse cells, do not tell, in the direction that lies at a place on the square.
 vec3 radtex_rest(sampler2D image, vec4 range, vec4 tile, float n, vec2 uv, vec2 place) {
+    vec4 found;
 #if RADTEX_REST_TAPS == 4
-    vec4 found = radtex_four_taps(image, radtex_four_cells(place, n), radtex_inside(tile, uv), range.xy);
+    found = radtex_four_taps(image, radtex_four_cells(place, n), radtex_inside(tile, uv), range.xy);
 #else
-    vec4 found = radtex_three_taps(image, radtex_three_cells(place, n), radtex_inside(tile, uv), range.xy);
+    found = radtex_three_taps(image, radtex_three_cells(place, n), radtex_inside(tile, uv), range.xy);
 #endif
     return found.rgb * range.z + range.w;
 }
@@ -200,12 +209,17 @@ vec2 radtex_on_edges(vec2 place, float size) {
     return place + (0.5 - place) / size;
 }
 
-// A picture around the direction d, blurred by a width² whose log2 is `spread`. Between levels it is mixed by the
-// width, not by its logarithm: so a lobe's tails are nearly right.
-vec4 radtex_picture(sampler2D image, vec4 range, vec4 levels, vec3 d, float spread) {
+// The texel of a picture around the direction d, blurred by a width² whose log2 is `spread`. Between levels it is mixed
+// by the width, not by its logarithm: so a lobe's tails are nearly right.
+vec4 radtex_blurred(sampler2D image, vec4 levels, vec3 d, float spread) {
     float level = clamp(0.5 * (spread - levels.z), 0.0, levels.y);
     vec2 place = radtex_on_edges(radtex_square(d), levels.x * exp2(-level));
-    vec4 found = textureLod(image, place, floor(level) + exp2(fract(level)) - 1.0);
+    return textureLod(image, place, floor(level) + exp2(fract(level)) - 1.0);
+}
+
+// A picture of what is near, premultiplied by its alpha.
+vec4 radtex_picture(sampler2D image, vec4 range, vec4 levels, vec3 d, float spread) {
+    vec4 found = radtex_blurred(image, levels, d, spread);
     return vec4(found.rgb * range.z + range.w, found.a);
 }
 
@@ -307,7 +321,8 @@ vec4 radtex_met(vec3 from, vec3 ray) {
 // What a lobe about the unit ray, of a width² whose log2 is `spread`, shows of the surroundings from a place that is
 // given from the middle; `met` is radtex_met of both.
 vec3 radtex_shown(vec3 from, vec3 ray, vec4 met, float spread) {
-    vec3 light = radtex_picture(radtex_world_map, radtex_world_range, radtex_world_levels, ray, spread).rgb;
+    vec3 light = radtex_blurred(radtex_world_map, radtex_world_levels, ray, spread).rgb * radtex_world_range.z
+        + radtex_world_range.w;
     vec4 before;
 #ifdef RADTEX_PLANE
     before = radtex_below(from, ray, spread);
@@ -322,17 +337,39 @@ vec3 radtex_shown(vec3 from, vec3 ray, vec4 met, float spread) {
 #endif
 
 #ifdef RADTEX_MIRRORS
+// What the object shows of itself in the direction that lies at a place on the square, and how much it leaves free.
+vec4 radtex_own(vec2 uv, vec2 place) {
+    float n = float(RADTEX_OWN_CELLS);
+    vec2 inside = radtex_inside(radtex_own_tile, uv), size = radtex_own_range.xy;
+    RadtexCells cells;
+    vec4 own;
+#if RADTEX_OWN_TAPS == 4
+    cells = radtex_four_cells(place, n);
+    own = radtex_four_taps(radtex_own_map, cells, inside, size);
+#else
+    cells = radtex_three_cells(place, n);
+    own = radtex_three_taps(radtex_own_map, cells, inside, size);
+#endif
+    return vec4(own.rgb * radtex_own_range.z + radtex_own_range.w, own.a);
+}
+
 // How much the object leaves free of its surroundings, as a lobe of that width² sees it; `kept` is as cells see it.
 float radtex_free(float kept, float width) {
     float side = clamp(2.0 * kept - 1.0, -1.0, 1.0);
     float sharper = side * max(2.56 / float(RADTEX_OWN_CELLS) * inversesqrt(width + 0.0016), 1.0);
     return 0.5 + 0.5 * sharper * inversesqrt(1.0 - side * side + sharper * sharper);
 }
+
+// What a lobe (weight, and log2 of its width²) shows; `own` is what the object shows of itself.
+vec3 radtex_mirrored(vec3 from, vec3 ray, vec4 met, vec4 own, vec4 lobe) {
+    return lobe.rgb * mix(own.rgb, radtex_shown(from, ray, met, lobe.a), radtex_free(own.a, exp2(lobe.a)));
+}
 #endif
 
-// Radiance towards the viewer, in the unit direction V, from a place at `position` whose unit normal is N, of the material
-// with that number.
-vec3 radtex_layered_of(int material, vec2 uv, vec3 position, vec3 N, vec3 V) {
+// Radiance towards the viewer, in the unit direction V, from a place at `position` whose unit normal is `face`, of the
+// material with that number.
+vec3 radtex_layered_of(int material, vec2 uv, vec3 position, vec3 face, vec3 V) {
+    vec3 N = face;
 #ifdef RADTEX_NORMAL
     vec3 shading = radtex_map(radtex_normal_map, radtex_normal_range, uv).xyz;
     shading *= inversesqrt(max(dot(shading, shading), 1e-12));
@@ -342,20 +379,13 @@ vec3 radtex_layered_of(int material, vec2 uv, vec3 position, vec3 N, vec3 V) {
     float below = min(floor(curve), 14.0), above = curve - below;
     int low = 16 * material + int(below);
     vec4 facts = mix(radtex_material[low], radtex_material[low + 1], above);
-    vec3 light = radtex_map(radtex_colour_map, radtex_colour_range, uv).rgb
+    vec3 light = radtex_colours(radtex_colour_map, radtex_colour_range, uv)
         * radtex_map(radtex_irradiance_map, radtex_irradiance_range, uv).rgb * facts.rgb;
     vec3 axis = 2.0 * cosine * N - V;
     vec2 place = radtex_square(axis);
 #ifdef RADTEX_MIRRORS
     vec3 from = position - radtex_middle.xyz;
-#if RADTEX_OWN_TAPS == 4
-    RadtexCells cells = radtex_four_cells(place, float(RADTEX_OWN_CELLS));
-    vec4 own = radtex_four_taps(radtex_own_map, cells, radtex_inside(radtex_own_tile, uv), radtex_own_range.xy);
-#else
-    RadtexCells cells = radtex_three_cells(place, float(RADTEX_OWN_CELLS));
-    vec4 own = radtex_three_taps(radtex_own_map, cells, radtex_inside(radtex_own_tile, uv), radtex_own_range.xy);
-#endif
-    own.rgb = own.rgb * radtex_own_range.z + radtex_own_range.w;
+    vec4 own = radtex_own(uv, place);
     vec3 towards = N - dot(N, axis) * axis;
     towards *= inversesqrt(max(dot(towards, towards), 1e-12));
     vec3 ray = axis * sqrt(1.0 - facts.a * facts.a) + towards * facts.a;
@@ -366,21 +396,21 @@ vec3 radtex_layered_of(int material, vec2 uv, vec3 position, vec3 N, vec3 V) {
     wider = radtex_map(radtex_width_map, radtex_width_range, uv).r;
 #endif
     lobe.a += wider;
-    vec3 mirrored = lobe.rgb * mix(own.rgb, radtex_shown(from, ray, met, lobe.a), radtex_free(own.a, exp2(lobe.a)));
+    vec3 mirrored = radtex_mirrored(from, ray, met, own, lobe);
 #if RADTEX_SECOND_LOBE > 0
     lobe = mix(radtex_lobes[low + 16], radtex_lobes[low + 17], above);
     lobe.a += wider;
-    mirrored += lobe.rgb * mix(own.rgb, radtex_shown(from, ray, met, lobe.a), radtex_free(own.a, exp2(lobe.a)));
+    mirrored += radtex_mirrored(from, ray, met, own, lobe);
 #endif
 #ifdef RADTEX_TINT
-    light += mirrored * radtex_map(radtex_tint_map, radtex_tint_range, uv).rgb;
+    light += mirrored * radtex_colours(radtex_tint_map, radtex_tint_range, uv);
 #else
     light += mirrored * opacity;
 #endif
 #endif
     vec3 rest = radtex_rest(radtex_rest_map, radtex_rest_range, radtex_rest_tile, float(RADTEX_REST_CELLS), uv, place);
     light += max(opacity * rest, -0.5 * light);
-    return max(light, 0.0);
+    return max(light, vec3(0.0, 0.0, 0.0));
 }
 
 // The same of the only material that the uniforms tell of, or the first.

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 RadTex authors
 // SPDX-License-Identifier: MIT
+// Written by .ci/build_shaders.py from source/radtex_layered.c: edit that.
 //
 // Look up a radiance texture in the layered layout: HLSL, shader model 5 and later. Define what the bake has, include
 // this file, then
@@ -123,6 +124,11 @@ float4 radtex_map(Texture2D image, float4 range, float2 uv) {
 #endif
 }
 
+// The same of a map of colours.
+float3 radtex_colours(Texture2D image, float4 range, float2 uv) {
+    return radtex_map(image, range, uv).rgb;
+}
+
 // How much a fragment hides of what lies behind it.
 float radtex_alpha(float2 uv) {
 #ifdef RADTEX_ALPHA
@@ -133,8 +139,8 @@ float radtex_alpha(float2 uv) {
 }
 
 // Where a direction, of any length, lies on the octahedron's square: 0 to 1.
-float2 radtex_square(float3 d) {
-    d *= 1.0 / max(abs(d.x) + abs(d.y) + abs(d.z), 1e-30);
+float2 radtex_square(float3 direction) {
+    float3 d = direction * (1.0 / max(abs(direction.x) + abs(direction.y) + abs(direction.z), 1e-30));
     float2 folded = (1.0 - abs(d.yx)) * float2(d.x < 0.0 ? -1.0 : 1.0, d.y < 0.0 ? -1.0 : 1.0);
     return (d.z < 0.0 ? folded : d.xy) * 0.5 + 0.5;
 }
@@ -147,7 +153,7 @@ struct RadtexCells {
 
 // A cell beyond an edge is the one that lies there on the sphere: the same edge's, mirrored at its middle.
 float2 radtex_folded(float2 cell, float last) {
-    float2 inside = clamp(cell, 0.0, last);
+    float2 inside = clamp(cell, float2(0.0, 0.0), float2(last, last));
     return float2(cell.y != inside.y ? last - inside.x : inside.x, cell.x != inside.x ? last - inside.y : inside.y);
 }
 
@@ -197,10 +203,11 @@ float4 radtex_four_taps(Texture2D image, RadtexCells cells, float2 inside, float
 
 // What lobes and other paths, in coarse cells, do not tell, in the direction that lies at a place on the square.
 float3 radtex_rest(Texture2D image, float4 range, float4 tile, float n, float2 uv, float2 place) {
+    float4 found;
 #if RADTEX_REST_TAPS == 4
-    float4 found = radtex_four_taps(image, radtex_four_cells(place, n), radtex_inside(tile, uv), range.xy);
+    found = radtex_four_taps(image, radtex_four_cells(place, n), radtex_inside(tile, uv), range.xy);
 #else
-    float4 found = radtex_three_taps(image, radtex_three_cells(place, n), radtex_inside(tile, uv), range.xy);
+    found = radtex_three_taps(image, radtex_three_cells(place, n), radtex_inside(tile, uv), range.xy);
 #endif
     return found.rgb * range.z + range.w;
 }
@@ -211,12 +218,17 @@ float2 radtex_on_edges(float2 place, float size) {
     return place + (0.5 - place) / size;
 }
 
-// A picture around the direction d, blurred by a width² whose log2 is `spread`. Between levels it is mixed by the
-// width, not by its logarithm: so a lobe's tails are nearly right.
-float4 radtex_picture(Texture2D image, float4 range, float4 levels, float3 d, float spread) {
+// The texel of a picture around the direction d, blurred by a width² whose log2 is `spread`. Between levels it is mixed
+// by the width, not by its logarithm: so a lobe's tails are nearly right.
+float4 radtex_blurred(Texture2D image, float4 levels, float3 d, float spread) {
     float level = clamp(0.5 * (spread - levels.z), 0.0, levels.y);
     float2 place = radtex_on_edges(radtex_square(d), levels.x * exp2(-level));
-    float4 found = radtex_looked_up(image, place, floor(level) + exp2(frac(level)) - 1.0);
+    return radtex_looked_up(image, place, floor(level) + exp2(frac(level)) - 1.0);
+}
+
+// A picture of what is near, premultiplied by its alpha.
+float4 radtex_picture(Texture2D image, float4 range, float4 levels, float3 d, float spread) {
+    float4 found = radtex_blurred(image, levels, d, spread);
     return float4(found.rgb * range.z + range.w, found.a);
 }
 
@@ -318,7 +330,8 @@ float4 radtex_met(float3 from, float3 ray) {
 // What a lobe about the unit ray, of a width² whose log2 is `spread`, shows of the surroundings from a place that is
 // given from the middle; `met` is radtex_met of both.
 float3 radtex_shown(float3 from, float3 ray, float4 met, float spread) {
-    float3 light = radtex_picture(radtex_world_map, radtex_world_range, radtex_world_levels, ray, spread).rgb;
+    float3 light = radtex_blurred(radtex_world_map, radtex_world_levels, ray, spread).rgb * radtex_world_range.z
+        + radtex_world_range.w;
     float4 before;
 #ifdef RADTEX_PLANE
     before = radtex_below(from, ray, spread);
@@ -333,16 +346,39 @@ float3 radtex_shown(float3 from, float3 ray, float4 met, float spread) {
 #endif
 
 #ifdef RADTEX_MIRRORS
+// What the object shows of itself in the direction that lies at a place on the square, and how much it leaves free.
+float4 radtex_own(float2 uv, float2 place) {
+    float n = float(RADTEX_OWN_CELLS);
+    float2 inside = radtex_inside(radtex_own_tile, uv), size = radtex_own_range.xy;
+    RadtexCells cells;
+    float4 own;
+#if RADTEX_OWN_TAPS == 4
+    cells = radtex_four_cells(place, n);
+    own = radtex_four_taps(radtex_own_map, cells, inside, size);
+#else
+    cells = radtex_three_cells(place, n);
+    own = radtex_three_taps(radtex_own_map, cells, inside, size);
+#endif
+    return float4(own.rgb * radtex_own_range.z + radtex_own_range.w, own.a);
+}
+
 // How much the object leaves free of its surroundings, as a lobe of that width² sees it; `kept` is as cells see it.
 float radtex_free(float kept, float width) {
     float side = clamp(2.0 * kept - 1.0, -1.0, 1.0);
     float sharper = side * max(2.56 / float(RADTEX_OWN_CELLS) * rsqrt(width + 0.0016), 1.0);
     return 0.5 + 0.5 * sharper * rsqrt(1.0 - side * side + sharper * sharper);
 }
+
+// What a lobe (weight, and log2 of its width²) shows; `own` is what the object shows of itself.
+float3 radtex_mirrored(float3 from, float3 ray, float4 met, float4 own, float4 lobe) {
+    return lobe.rgb * lerp(own.rgb, radtex_shown(from, ray, met, lobe.a), radtex_free(own.a, exp2(lobe.a)));
+}
 #endif
 
-// Radiance towards the viewer, in the unit direction V, from a fragment at `position` whose unit normal is N.
-float3 radtex_layered(float2 uv, float3 position, float3 N, float3 V) {
+// Radiance towards the viewer, in the unit direction V, from a place at `position` whose unit normal is `face`.
+float3 radtex_layered(float2 uv, float3 position, float3 face, float3 V) {
+    const int material = 0;
+    float3 N = face;
 #ifdef RADTEX_NORMAL
     float3 shading = radtex_map(radtex_normal_map, radtex_normal_range, uv).xyz;
     shading *= rsqrt(max(dot(shading, shading), 1e-12));
@@ -350,47 +386,41 @@ float3 radtex_layered(float2 uv, float3 position, float3 N, float3 V) {
 #endif
     float opacity = radtex_alpha(uv), cosine = dot(N, V), curve = clamp(cosine * 16.0 - 0.5, 0.0, 15.0);
     float below = min(floor(curve), 14.0), above = curve - below;
-    int low = int(below);
+    int low = 16 * material + int(below);
     float4 facts = lerp(radtex_material[low], radtex_material[low + 1], above);
-    float3 light = radtex_map(radtex_colour_map, radtex_colour_range, uv).rgb
+    float3 light = radtex_colours(radtex_colour_map, radtex_colour_range, uv)
         * radtex_map(radtex_irradiance_map, radtex_irradiance_range, uv).rgb * facts.rgb;
     float3 axis = 2.0 * cosine * N - V;
     float2 place = radtex_square(axis);
 #ifdef RADTEX_MIRRORS
     float3 from = position - radtex_middle.xyz;
-#if RADTEX_OWN_TAPS == 4
-    RadtexCells cells = radtex_four_cells(place, float(RADTEX_OWN_CELLS));
-    float4 own = radtex_four_taps(radtex_own_map, cells, radtex_inside(radtex_own_tile, uv), radtex_own_range.xy);
-#else
-    RadtexCells cells = radtex_three_cells(place, float(RADTEX_OWN_CELLS));
-    float4 own = radtex_three_taps(radtex_own_map, cells, radtex_inside(radtex_own_tile, uv), radtex_own_range.xy);
-#endif
-    own.rgb = own.rgb * radtex_own_range.z + radtex_own_range.w;
+    float4 own = radtex_own(uv, place);
     float3 towards = N - dot(N, axis) * axis;
     towards *= rsqrt(max(dot(towards, towards), 1e-12));
     float3 ray = axis * sqrt(1.0 - facts.a * facts.a) + towards * facts.a;
+    low += 16 * material;
     float4 met = radtex_met(from, ray), lobe = lerp(radtex_lobes[low], radtex_lobes[low + 1], above);
     float wider = 0.0;
 #ifdef RADTEX_WIDTH
     wider = radtex_map(radtex_width_map, radtex_width_range, uv).r;
 #endif
     lobe.a += wider;
-    float3 mirrored = lobe.rgb * lerp(own.rgb, radtex_shown(from, ray, met, lobe.a), radtex_free(own.a, exp2(lobe.a)));
+    float3 mirrored = radtex_mirrored(from, ray, met, own, lobe);
 #if RADTEX_SECOND_LOBE > 0
     lobe = lerp(radtex_lobes[low + 16], radtex_lobes[low + 17], above);
     lobe.a += wider;
-    mirrored += lobe.rgb * lerp(own.rgb, radtex_shown(from, ray, met, lobe.a), radtex_free(own.a, exp2(lobe.a)));
+    mirrored += radtex_mirrored(from, ray, met, own, lobe);
 #endif
 #ifdef RADTEX_TINT
-    light += mirrored * radtex_map(radtex_tint_map, radtex_tint_range, uv).rgb;
+    light += mirrored * radtex_colours(radtex_tint_map, radtex_tint_range, uv);
 #else
     light += mirrored * opacity;
 #endif
 #endif
-    float n = float(RADTEX_REST_CELLS);
-    float3 rest = radtex_rest(radtex_rest_map, radtex_rest_range, radtex_rest_tile, n, uv, place);
+    float3 rest = radtex_rest(radtex_rest_map, radtex_rest_range, radtex_rest_tile, float(RADTEX_REST_CELLS), uv,
+        place);
     light += max(opacity * rest, -0.5 * light);
-    return max(light, 0.0);
+    return max(light, float3(0.0, 0.0, 0.0));
 }
 
 #endif

@@ -1,10 +1,11 @@
 // SPDX-FileCopyrightText: 2026 RadTex authors
 // SPDX-License-Identifier: MIT
+// Written by .ci/build_shaders.py from source/radtex_layered.c: edit that.
 //
 // Look up a radiance texture in the layered layout: WGSL. Put it before your shader's text, then
 //
 //     let V = normalize(camera - position); let N = normalize(normal);  // in Blender's world space of the bake, z up
-//     let light = radtex_layered(uv, position, N, V);                   // premultiplied by radtex_alpha(uv)
+//     let light = radtex_layered(uv, position, N, V);               // premultiplied by radtex_alpha(uv)
 //
 // or, of an object that light comes through, what radtex_layered_through.wgsl adds.
 //
@@ -28,7 +29,7 @@ override RADTEX_REST_CELLS: i32 = 8;
 override RADTEX_STEPS: i32 = 1;         // fetches of distances, 0 to 2
 override RADTEX_OWN_TAPS: i32 = 3;      // cells of a bucket that are blended, 3 or 4
 override RADTEX_REST_TAPS: i32 = 3;
-override RADTEX_SECOND_LOBE: bool = true;  // it is looked up, or materials have one lobe in place of two
+override RADTEX_SECOND_LOBE: i32 = 1;   // 1: it is looked up, 0: materials have one lobe in place of two
 
 struct RadtexBake {
     middle: vec4f,        // xyz: from where the surroundings are seen
@@ -82,18 +83,24 @@ fn radtex_map(image: texture_2d<f32>, range: vec4f, uv: vec2f) -> vec4f {
     return textureSampleLevel(image, radtex_filtering, uv * range.xy, 0.0) * range.z + range.w;
 }
 
+// The same of a map of colours.
+fn radtex_colours(image: texture_2d<f32>, range: vec4f, uv: vec2f) -> vec3f {
+    return radtex_map(image, range, uv).rgb;
+}
+
 // How much a fragment hides of what lies behind it.
 fn radtex_alpha(uv: vec2f) -> f32 {
     if RADTEX_ALPHA {
         return radtex_map(radtex_alpha_map, radtex.alpha_range, uv).r;
+    } else {
+        return 1.0;
     }
-    return 1.0;
 }
 
 // Where a direction, of any length, lies on the octahedron's square: 0 to 1.
 fn radtex_square(direction: vec3f) -> vec2f {
-    let d = direction / max(abs(direction.x) + abs(direction.y) + abs(direction.z), 1e-30);
-    let folded = (1.0 - abs(d.yx)) * select(vec2f(1.0), vec2f(-1.0), d.xy < vec2f(0.0));
+    let d = direction * (1.0 / max(abs(direction.x) + abs(direction.y) + abs(direction.z), 1e-30));
+    let folded = (1.0 - abs(d.yx)) * vec2f(select(1.0, -1.0, d.x < 0.0), select(1.0, -1.0, d.y < 0.0));
     return select(d.xy, folded, d.z < 0.0) * 0.5 + 0.5;
 }
 
@@ -108,8 +115,9 @@ struct RadtexCells {
 
 // A cell beyond an edge is the one that lies there on the sphere: the same edge's, mirrored at its middle.
 fn radtex_folded(cell: vec2f, last: f32) -> vec2f {
-    let inside = clamp(cell, vec2f(0.0), vec2f(last));
-    return select(inside, last - inside, cell.yx != inside.yx);
+    let inside = clamp(cell, vec2f(0.0, 0.0), vec2f(last, last));
+    return vec2f(select(inside.x, last - inside.x, cell.y != inside.y),
+        select(inside.y, last - inside.y, cell.x != inside.x));
 }
 
 // The four of n x n cells around a place on the octahedron's square.
@@ -130,14 +138,14 @@ fn radtex_four_cells(place: vec2f, n: f32) -> RadtexCells {
 fn radtex_three_cells(place: vec2f, n: f32) -> RadtexCells {
     let position = place * n - 0.5;
     let low = floor(position);
-    let flipped = (place.x - 0.5) * (place.y - 0.5) < 0.0;
     var f = position - low;
+    let flipped = (place.x - 0.5) * (place.y - 0.5) < 0.0;
     f.x = select(f.x, 1.0 - f.x, flipped);
     let upper = f.x + f.y > 1.0;
-    let corner = select(0.0, 1.0, upper);
+    let corner = select(vec2f(0.0, 0.0), vec2f(1.0, 1.0), upper);
     let g = select(f, 1.0 - f.yx, upper);
     var cells: RadtexCells;
-    cells.a = radtex_folded(low + vec2f(select(corner, 1.0 - corner, flipped), corner), n - 1.0);
+    cells.a = radtex_folded(low + vec2f(select(corner.x, 1.0 - corner.x, flipped), corner.y), n - 1.0);
     cells.b = radtex_folded(low + vec2f(select(1.0, 0.0, flipped), 0.0), n - 1.0);
     cells.c = radtex_folded(low + vec2f(select(0.0, 1.0, flipped), 1.0), n - 1.0);
     cells.d = cells.a;
@@ -145,33 +153,31 @@ fn radtex_three_cells(place: vec2f, n: f32) -> RadtexCells {
     return cells;
 }
 
-// A place in a tile: `tile` as rest_tile.
+// A place in a tile: `tile` as radtex_rest_tile.
 fn radtex_inside(tile: vec4f, uv: vec2f) -> vec2f {
     return clamp(uv * tile.xy, tile.zw, tile.xy - tile.zw);
 }
 
-// A bucket's texels between three or four cells, in the direction that lies at a place on the square.
-fn radtex_blended(image: texture_2d<f32>, size: vec2f, tile: vec4f, n: f32, taps: i32, uv: vec2f,
-                place: vec2f) -> vec4f {
-    let inside = radtex_inside(tile, uv);
-    var cells: RadtexCells;
-    if taps == 4 {
-        cells = radtex_four_cells(place, n);
-    } else {
-        cells = radtex_three_cells(place, n);
-    }
-    var found = textureSampleLevel(image, radtex_filtering, (cells.a + inside) * size, 0.0) * cells.weight.x
+fn radtex_three_taps(image: texture_2d<f32>, cells: RadtexCells, inside: vec2f, size: vec2f) -> vec4f {
+    return textureSampleLevel(image, radtex_filtering, (cells.a + inside) * size, 0.0) * cells.weight.x
         + textureSampleLevel(image, radtex_filtering, (cells.b + inside) * size, 0.0) * cells.weight.y
         + textureSampleLevel(image, radtex_filtering, (cells.c + inside) * size, 0.0) * cells.weight.z;
-    if taps == 4 {
-        found += textureSampleLevel(image, radtex_filtering, (cells.d + inside) * size, 0.0) * cells.weight.w;
-    }
-    return found;
 }
 
-// What lobes and other paths, in coarse cells, do not tell.
-fn radtex_rest(image: texture_2d<f32>, range: vec4f, tile: vec4f, n: i32, uv: vec2f, place: vec2f) -> vec3f {
-    return radtex_blended(image, range.xy, tile, f32(n), RADTEX_REST_TAPS, uv, place).rgb * range.z + range.w;
+fn radtex_four_taps(image: texture_2d<f32>, cells: RadtexCells, inside: vec2f, size: vec2f) -> vec4f {
+    return radtex_three_taps(image, cells, inside, size)
+        + textureSampleLevel(image, radtex_filtering, (cells.d + inside) * size, 0.0) * cells.weight.w;
+}
+
+// What lobes and other paths, in coarse cells, do not tell, in the direction that lies at a place on the square.
+fn radtex_rest(image: texture_2d<f32>, range: vec4f, tile: vec4f, n: f32, uv: vec2f, place: vec2f) -> vec3f {
+    var found: vec4f;
+    if RADTEX_REST_TAPS == 4 {
+        found = radtex_four_taps(image, radtex_four_cells(place, n), radtex_inside(tile, uv), range.xy);
+    } else {
+        found = radtex_three_taps(image, radtex_three_cells(place, n), radtex_inside(tile, uv), range.xy);
+    }
+    return found.rgb * range.z + range.w;
 }
 
 // The same as radtex_square on a picture of so many texels a side, whose outermost texels' centres lie on its edge.
@@ -179,36 +185,56 @@ fn radtex_on_edges(place: vec2f, size: f32) -> vec2f {
     return place + (0.5 - place) / size;
 }
 
-// A picture around the direction d, blurred by a width² whose log2 is `spread`. Between levels it is mixed by the
-// width, not by its logarithm: so a lobe's tails are nearly right.
-fn radtex_picture(image: texture_2d<f32>, range: vec4f, levels: vec4f, d: vec3f, spread: f32) -> vec4f {
+// The texel of a picture around the direction d, blurred by a width² whose log2 is `spread`. Between levels it is mixed
+// by the width, not by its logarithm: so a lobe's tails are nearly right.
+fn radtex_blurred(image: texture_2d<f32>, levels: vec4f, d: vec3f, spread: f32) -> vec4f {
     let level = clamp(0.5 * (spread - levels.z), 0.0, levels.y);
     let place = radtex_on_edges(radtex_square(d), levels.x * exp2(-level));
-    let found = textureSampleLevel(image, radtex_filtering, place, floor(level) + exp2(fract(level)) - 1.0);
+    return textureSampleLevel(image, radtex_filtering, place, floor(level) + exp2(fract(level)) - 1.0);
+}
+
+// A picture of what is near, premultiplied by its alpha.
+fn radtex_picture(image: texture_2d<f32>, range: vec4f, levels: vec4f, d: vec3f, spread: f32) -> vec4f {
+    let found = radtex_blurred(image, levels, d, spread);
     return vec4f(found.rgb * range.z + range.w, found.a);
 }
 
 // What a lobe of that width² shows of a lamp.
-fn radtex_lamp(number: i32, whence: vec3f, ray: vec3f, width: f32) -> vec3f {
-    let place = radtex.lamp_place[number];
+fn radtex_lamp(place: vec4f, light: vec4f, whence: vec3f, ray: vec3f, width: f32) -> vec3f {
     let towards = place.xyz - whence;
     let squared = dot(towards, towards);
     let nearer = dot(place.xyz, place.xyz) / squared;
     let wide = width + place.w * nearer;
     let off = wide + 1.0 - dot(ray, towards) * inverseSqrt(squared);
-    return radtex.lamp_light[number].rgb * (nearer * (1.0 + 0.5 * wide) * wide / (6.2831853 * off * off));
+    return light.rgb * (nearer * (1.0 + 0.5 * wide) * wide / (6.2831853 * off * off));
 }
 
 fn radtex_lamps(whence: vec3f, ray: vec3f, width: f32) -> vec3f {
-    var light = vec3f(0.0);
-    if RADTEX_LAMPS > 0 { light += radtex_lamp(0, whence, ray, width); }
-    if RADTEX_LAMPS > 1 { light += radtex_lamp(1, whence, ray, width); }
-    if RADTEX_LAMPS > 2 { light += radtex_lamp(2, whence, ray, width); }
-    if RADTEX_LAMPS > 3 { light += radtex_lamp(3, whence, ray, width); }
-    if RADTEX_LAMPS > 4 { light += radtex_lamp(4, whence, ray, width); }
-    if RADTEX_LAMPS > 5 { light += radtex_lamp(5, whence, ray, width); }
-    if RADTEX_LAMPS > 6 { light += radtex_lamp(6, whence, ray, width); }
-    if RADTEX_LAMPS > 7 { light += radtex_lamp(7, whence, ray, width); }
+    var light = vec3f(0.0, 0.0, 0.0);
+    if RADTEX_LAMPS > 0 {
+        light += radtex_lamp(radtex.lamp_place[0], radtex.lamp_light[0], whence, ray, width);
+    }
+    if RADTEX_LAMPS > 1 {
+        light += radtex_lamp(radtex.lamp_place[1], radtex.lamp_light[1], whence, ray, width);
+    }
+    if RADTEX_LAMPS > 2 {
+        light += radtex_lamp(radtex.lamp_place[2], radtex.lamp_light[2], whence, ray, width);
+    }
+    if RADTEX_LAMPS > 3 {
+        light += radtex_lamp(radtex.lamp_place[3], radtex.lamp_light[3], whence, ray, width);
+    }
+    if RADTEX_LAMPS > 4 {
+        light += radtex_lamp(radtex.lamp_place[4], radtex.lamp_light[4], whence, ray, width);
+    }
+    if RADTEX_LAMPS > 5 {
+        light += radtex_lamp(radtex.lamp_place[5], radtex.lamp_light[5], whence, ray, width);
+    }
+    if RADTEX_LAMPS > 6 {
+        light += radtex_lamp(radtex.lamp_place[6], radtex.lamp_light[6], whence, ray, width);
+    }
+    if RADTEX_LAMPS > 7 {
+        light += radtex_lamp(radtex.lamp_place[7], radtex.lamp_light[7], whence, ray, width);
+    }
     return light;
 }
 
@@ -227,11 +253,11 @@ fn radtex_below(whence: vec3f, ray: vec3f, spread: f32) -> vec4f {
     let nearness = inverseSqrt(max(dot(met, met), 1e-12));
     let along = far * nearness;
     let wider = clamp(along * along * radtex.plane_eye.w * nearness / deep, 0.00390625, 16.0);
-    return (0.5 - 0.5 * sine * root)
-        * radtex_picture(radtex_plane_map, radtex.plane_range, radtex.plane_levels, met, spread + log2(wider));
+    let found = radtex_picture(radtex_plane_map, radtex.plane_range, radtex.plane_levels, met, spread + log2(wider));
+    return found * (0.5 - 0.5 * sine * root);
 }
 
-// How far along the unit ray is a sphere of that radius about the middle; `along` is whence . ray, `squared` whence².
+// How far along the unit ray is a sphere of that radius about the middle; `along` is from . ray, `squared` from . from.
 fn radtex_reach(along: f32, squared: f32, radius: f32) -> f32 {
     return sqrt(max(along * along - squared + radius * radius, 0.0)) - along;
 }
@@ -239,46 +265,68 @@ fn radtex_reach(along: f32, squared: f32, radius: f32) -> f32 {
 // The distance from the middle of what lies in a direction.
 fn radtex_distance(d: vec3f) -> f32 {
     let place = radtex_on_edges(radtex_square(d), radtex.distances_size.x);
-    let found = textureSampleLevel(radtex_distances_map, radtex_filtering, place, 0.0).r;
-    return 1.0 / max(found * radtex.distances_range.z + radtex.distances_range.w, 1e-9);
+    let range = radtex.distances_range;
+    return 1.0
+        / max(textureSampleLevel(radtex_distances_map, radtex_filtering, place, 0.0).r * range.z + range.w, 1e-9);
 }
 
 // Where a ray meets things, from the middle, and log2 of how much a lobe's width² is larger as seen from there.
 fn radtex_met(whence: vec3f, ray: vec3f) -> vec4f {
-    if !RADTEX_THINGS { return vec4f(ray, 0.0); }
-    let along = dot(whence, ray);
-    let squared = dot(whence, whence);
-    var met = ray;
-    var reach = 0.0;
-    if RADTEX_STEPS < 2 {  // begin on a sphere
-        reach = radtex_reach(along, squared, radtex.distances_size.y);
-        met = whence + reach * ray;
+    if RADTEX_THINGS {
+        let along = dot(whence, ray);
+        let squared = dot(whence, whence);
+        var reach: f32;
+        var met = ray;
+        if RADTEX_STEPS < 2 {  // begin on a sphere
+            reach = radtex_reach(along, squared, radtex.distances_size.y);
+            met = whence + reach * ray;
+        }
+        if RADTEX_STEPS > 0 {
+            reach = radtex_reach(along, squared, radtex_distance(met));
+            met = whence + reach * ray;
+        }
+        if RADTEX_STEPS > 1 {
+            reach = radtex_reach(along, squared, radtex_distance(met));
+            met = whence + reach * ray;
+        }
+        return vec4f(met, 2.0 * log2(clamp(reach * inverseSqrt(max(dot(met, met), 1e-12)), 0.0625, 4.0)));
+    } else {
+        return vec4f(ray, 0.0);
     }
-    if RADTEX_STEPS > 0 {
-        reach = radtex_reach(along, squared, radtex_distance(met));
-        met = whence + reach * ray;
-    }
-    if RADTEX_STEPS > 1 {
-        reach = radtex_reach(along, squared, radtex_distance(met));
-        met = whence + reach * ray;
-    }
-    return vec4f(met, 2.0 * log2(clamp(reach * inverseSqrt(max(dot(met, met), 1e-12)), 0.0625, 4.0)));
 }
 
 // What a lobe about the unit ray, of a width² whose log2 is `spread`, shows of the surroundings from a place that is
 // given from the middle; `met` is radtex_met of both.
 fn radtex_shown(whence: vec3f, ray: vec3f, met: vec4f, spread: f32) -> vec3f {
-    var light = radtex_picture(radtex_world_map, radtex.world_range, radtex.world_levels, ray, spread).rgb;
+    var light = radtex_blurred(radtex_world_map, radtex.world_levels, ray, spread).rgb * radtex.world_range.z
+        + radtex.world_range.w;
+    var before: vec4f;
     if RADTEX_PLANE {
-        let before = radtex_below(whence, ray, spread);
+        before = radtex_below(whence, ray, spread);
         light = light * (1.0 - before.a) + before.rgb;
     }
     if RADTEX_THINGS {
-        let before = radtex_picture(radtex_things_map, radtex.things_range, radtex.things_levels, met.xyz,
-                                    spread + met.w);
+        before = radtex_picture(radtex_things_map, radtex.things_range, radtex.things_levels, met.xyz, spread + met.w);
         light = light * (1.0 - before.a) + before.rgb;
     }
     return light + radtex_lamps(whence, ray, exp2(spread));
+}
+
+// What the object shows of itself in the direction that lies at a place on the square, and how much it leaves free.
+fn radtex_own(uv: vec2f, place: vec2f) -> vec4f {
+    let n = f32(RADTEX_OWN_CELLS);
+    let inside = radtex_inside(radtex.own_tile, uv);
+    let size = radtex.own_range.xy;
+    var cells: RadtexCells;
+    var own: vec4f;
+    if RADTEX_OWN_TAPS == 4 {
+        cells = radtex_four_cells(place, n);
+        own = radtex_four_taps(radtex_own_map, cells, inside, size);
+    } else {
+        cells = radtex_three_cells(place, n);
+        own = radtex_three_taps(radtex_own_map, cells, inside, size);
+    }
+    return vec4f(own.rgb * radtex.own_range.z + radtex.own_range.w, own.a);
 }
 
 // How much the object leaves free of its surroundings, as a lobe of that width² sees it; `kept` is as cells see it.
@@ -288,13 +336,14 @@ fn radtex_free(kept: f32, width: f32) -> f32 {
     return 0.5 + 0.5 * sharper * inverseSqrt(1.0 - side * side + sharper * sharper);
 }
 
-// What a lobe (weight and log2 of its width²) shows; `own` is what the object shows of itself.
+// What a lobe (weight, and log2 of its width²) shows; `own` is what the object shows of itself.
 fn radtex_mirrored(whence: vec3f, ray: vec3f, met: vec4f, own: vec4f, lobe: vec4f) -> vec3f {
     return lobe.rgb * mix(own.rgb, radtex_shown(whence, ray, met, lobe.a), radtex_free(own.a, exp2(lobe.a)));
 }
 
-// Radiance towards the viewer, in the unit direction V, from a fragment at `position` whose unit normal is `face`.
+// Radiance towards the viewer, in the unit direction V, from a place at `position` whose unit normal is `face`.
 fn radtex_layered(uv: vec2f, position: vec3f, face: vec3f, V: vec3f) -> vec3f {
+    const material: i32 = 0;
     var N = face;
     if RADTEX_NORMAL {
         var shading = radtex_map(radtex_normal_map, radtex.normal_range, uv).xyz;
@@ -304,36 +353,41 @@ fn radtex_layered(uv: vec2f, position: vec3f, face: vec3f, V: vec3f) -> vec3f {
     let opacity = radtex_alpha(uv);
     let cosine = dot(N, V);
     let curve = clamp(cosine * 16.0 - 0.5, 0.0, 15.0);
-    let low = min(i32(curve), 14);
-    let above = curve - f32(low);
+    let below = min(floor(curve), 14.0);
+    let above = curve - below;
+    var low = 16 * material + i32(below);
     let facts = mix(radtex_of.curves[low], radtex_of.curves[low + 1], above);
-    var light = radtex_map(radtex_colour_map, radtex.colour_range, uv).rgb
+    var light = radtex_colours(radtex_colour_map, radtex.colour_range, uv)
         * radtex_map(radtex_irradiance_map, radtex.irradiance_range, uv).rgb * facts.rgb;
     let axis = 2.0 * cosine * N - V;
     let place = radtex_square(axis);
     if RADTEX_MIRRORS {
         let whence = position - radtex.middle.xyz;
-        var own = radtex_blended(radtex_own_map, radtex.own_range.xy, radtex.own_tile, f32(RADTEX_OWN_CELLS),
-                               RADTEX_OWN_TAPS, uv, place);
-        own = vec4f(own.rgb * radtex.own_range.z + radtex.own_range.w, own.a);
+        let own = radtex_own(uv, place);
         var towards = N - dot(N, axis) * axis;
         towards *= inverseSqrt(max(dot(towards, towards), 1e-12));
         let ray = axis * sqrt(1.0 - facts.a * facts.a) + towards * facts.a;
+        low += 16 * material;
         let met = radtex_met(whence, ray);
-        var wider = vec4f(0.0);
-        if RADTEX_WIDTH { wider.a = radtex_map(radtex_width_map, radtex.width_range, uv).r; }
-        var mirrored = radtex_mirrored(whence, ray, met, own,
-                                       mix(radtex_of.lobes[low], radtex_of.lobes[low + 1], above) + wider);
-        if RADTEX_SECOND_LOBE {
-            mirrored += radtex_mirrored(whence, ray, met, own,
-                                        mix(radtex_of.lobes[low + 16], radtex_of.lobes[low + 17], above) + wider);
+        var lobe = mix(radtex_of.lobes[low], radtex_of.lobes[low + 1], above);
+        var wider = 0.0;
+        if RADTEX_WIDTH {
+            wider = radtex_map(radtex_width_map, radtex.width_range, uv).r;
+        }
+        lobe.a += wider;
+        var mirrored = radtex_mirrored(whence, ray, met, own, lobe);
+        if RADTEX_SECOND_LOBE > 0 {
+            lobe = mix(radtex_of.lobes[low + 16], radtex_of.lobes[low + 17], above);
+            lobe.a += wider;
+            mirrored += radtex_mirrored(whence, ray, met, own, lobe);
         }
         if RADTEX_TINT {
-            light += mirrored * radtex_map(radtex_tint_map, radtex.tint_range, uv).rgb;
+            light += mirrored * radtex_colours(radtex_tint_map, radtex.tint_range, uv);
         } else {
             light += mirrored * opacity;
         }
     }
-    let rest = radtex_rest(radtex_rest_map, radtex.rest_range, radtex.rest_tile, RADTEX_REST_CELLS, uv, place);
-    return max(light + max(opacity * rest, -0.5 * light), vec3f(0.0));
+    let rest = radtex_rest(radtex_rest_map, radtex.rest_range, radtex.rest_tile, f32(RADTEX_REST_CELLS), uv, place);
+    light += max(opacity * rest, -0.5 * light);
+    return max(light, vec3f(0.0, 0.0, 0.0));
 }

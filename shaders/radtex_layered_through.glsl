@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 RadTex authors
 // SPDX-License-Identifier: MIT
+// Written by .ci/build_shaders.py from source/radtex_layered_through.c: edit that.
 //
 // Look up a radiance texture in the layered layout, of an object that light comes through: GLSL 330 and later, GLSL ES
 // 300 (WebGL 2) and later. Include it behind radtex_layered.glsl, before which RADTEX_THROUGH is defined, then
@@ -33,13 +34,18 @@ vec4 radtex_path(vec2 at) {
     return textureLod(radtex_exit_place_map, at * range.xy, 0.0) * range.z + range.w;
 }
 
+// The k-th of the four corners of a square.
+vec2 radtex_corner(int k) {
+    return vec2(float(k & 1), float((k >> 1) & 1));
+}
+
 // Where to look for a way's k-th tap: within the tile of a cell beside `low`, as the filter blends texels around
 // `inside`, or at one of these.
 vec2 radtex_tap(int k, vec2 low, vec2 inside) {
-    vec2 cell = low + vec2(k & 1, (k >> 1) & 1);
+    vec2 cell = low + radtex_corner(k);
 #if RADTEX_EXIT_TAPS == 16
     vec2 half_texel = radtex_exit_tile.zw, corner = floor(inside / half_texel * 0.5 - 0.5) * 2.0 + 1.0;
-    vec2 texel = (corner + 2.0 * vec2((k >> 2) & 1, k >> 3)) * half_texel;
+    vec2 texel = (corner + 2.0 * radtex_corner(k >> 2)) * half_texel;
     return cell + clamp(texel, half_texel, radtex_exit_tile.xy - half_texel);
 #else
     return cell + inside;
@@ -48,9 +54,9 @@ vec2 radtex_tap(int k, vec2 low, vec2 inside) {
 
 // The weight of a tap; f and g are the places between four cells and between four texels.
 float radtex_tap_weight(int k, vec2 f, vec2 g) {
-    vec2 cell = mix(1.0 - f, f, vec2(k & 1, (k >> 1) & 1));
+    vec2 cell = mix(1.0 - f, f, radtex_corner(k));
 #if RADTEX_EXIT_TAPS == 16
-    cell *= mix(1.0 - g, g, vec2((k >> 2) & 1, k >> 3));
+    cell *= mix(1.0 - g, g, radtex_corner(k >> 2));
 #endif
     return cell.x * cell.y;
 }
@@ -62,10 +68,12 @@ vec3 radtex_through(vec2 uv, vec3 from, vec3 N, vec3 V, vec3 T, vec3 B) {
     I *= inversesqrt(max(dot(I, I), 1e-18));
     vec2 disc = I.xy * inversesqrt(1.0 + I.z);  // equal area; and from there to the square
     vec2 square = disc * (length(disc) / max(max(abs(disc.x), abs(disc.y)), 1e-9));
-    vec2 place = clamp((clamp(square, -1.0, 1.0) * 0.5 + 0.5) * n - 0.5, 0.0, n - 1.0);
-    vec2 low = min(floor(place), n - 2.0), f = place - low, inside = radtex_inside(radtex_exit_tile, uv);
-    vec2 g = fract(inside / radtex_exit_tile.zw * 0.5 - 0.5);
-    vec4 ways[RADTEX_EXIT_TAPS], way = vec4(0.0, 0.0, 0.0, 0.0), path = way;
+    vec2 place = (clamp(square, vec2(-1.0, -1.0), vec2(1.0, 1.0)) * 0.5 + 0.5) * n - 0.5;
+    place = clamp(place, vec2(0.0, 0.0), vec2(n - 1.0, n - 1.0));
+    vec2 low = min(floor(place), vec2(n - 2.0, n - 2.0)), f = place - low;
+    vec2 inside = radtex_inside(radtex_exit_tile, uv), g = fract(inside / radtex_exit_tile.zw * 0.5 - 0.5);
+    vec4 way = vec4(0.0, 0.0, 0.0, 0.0), path = way;
+    vec4 ways[RADTEX_EXIT_TAPS];
     vec3 chief = vec3(0.0, 0.0, 0.0);
     float total = 0.0;
     for (int k = 0; k < RADTEX_EXIT_TAPS; k++) {
@@ -86,15 +94,15 @@ vec3 radtex_through(vec2 uv, vec3 from, vec3 N, vec3 V, vec3 T, vec3 B) {
     float luminance = max(way.w, 1e-6), even = length(way.xyz);
     float width = max(path.w / luminance + max(1.0 - even / luminance - 0.03, 0.0), 1e-12);  // more if they disagree
     vec3 away = way.xyz / max(even, 1e-9), moved = path.xyz / luminance;
-    vec3 ray = away.x * T + away.y * B + away.z * N, whence = from + moved.x * T + moved.y * B + moved.z * N;
-    return way.w * radtex_map(radtex_through_colour_map, radtex_through_colour_range, uv).rgb
-        * radtex_shown(whence, ray, radtex_met(whence, ray), log2(width));
+    vec3 ray = away.x * T + away.y * B + away.z * N, exit = from + moved.x * T + moved.y * B + moved.z * N;
+    return way.w * radtex_colours(radtex_through_colour_map, radtex_through_colour_range, uv)
+        * radtex_shown(exit, ray, radtex_met(exit, ray), log2(width));
 }
 
 // Radiance towards the viewer, in the unit direction V, from a fragment at `position`.
 vec3 radtex_layered_through(vec2 uv, vec3 position, vec3 N, vec3 V, vec3 T, vec3 B) {
     vec3 through = radtex_through(uv, position - radtex_middle.xyz, N, V, T, B)
         + radtex_rest(radtex_through_rest_map, radtex_through_rest_range, radtex_through_rest_tile,
-                      float(RADTEX_THROUGH_CELLS), uv, radtex_square(-V));
-    return max(radtex_layered(uv, position, N, V) + radtex_alpha(uv) * through, 0.0);
+            float(RADTEX_THROUGH_CELLS), uv, radtex_square(-V));
+    return max(radtex_layered(uv, position, N, V) + radtex_alpha(uv) * through, vec3(0.0, 0.0, 0.0));
 }

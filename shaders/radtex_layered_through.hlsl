@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 RadTex authors
 // SPDX-License-Identifier: MIT
+// Written by .ci/build_shaders.py from source/radtex_layered_through.c: edit that.
 //
 // Look up a radiance texture in the layered layout, of an object that light comes through: HLSL, shader model 5 and
 // later. radtex_layered.hlsl, which says what is defined before, must lie beside it. Define RADTEX_THROUGH, include
@@ -49,13 +50,18 @@ float4 radtex_path(float2 at) {
     return radtex_looked_up(radtex_exit_place_map, at * range.xy, 0.0) * range.z + range.w;
 }
 
+// The k-th of the four corners of a square.
+float2 radtex_corner(int k) {
+    return float2(float(k & 1), float((k >> 1) & 1));
+}
+
 // Where to look for a way's k-th tap: within the tile of a cell beside `low`, as the filter blends texels around
 // `inside`, or at one of these.
 float2 radtex_tap(int k, float2 low, float2 inside) {
-    float2 cell = low + float2(k & 1, (k >> 1) & 1);
+    float2 cell = low + radtex_corner(k);
 #if RADTEX_EXIT_TAPS == 16
     float2 half_texel = radtex_exit_tile.zw, corner = floor(inside / half_texel * 0.5 - 0.5) * 2.0 + 1.0;
-    float2 texel = (corner + 2.0 * float2((k >> 2) & 1, k >> 3)) * half_texel;
+    float2 texel = (corner + 2.0 * radtex_corner(k >> 2)) * half_texel;
     return cell + clamp(texel, half_texel, radtex_exit_tile.xy - half_texel);
 #else
     return cell + inside;
@@ -64,9 +70,9 @@ float2 radtex_tap(int k, float2 low, float2 inside) {
 
 // The weight of a tap; f and g are the places between four cells and between four texels.
 float radtex_tap_weight(int k, float2 f, float2 g) {
-    float2 cell = lerp(1.0 - f, f, float2(k & 1, (k >> 1) & 1));
+    float2 cell = lerp(1.0 - f, f, radtex_corner(k));
 #if RADTEX_EXIT_TAPS == 16
-    cell *= lerp(1.0 - g, g, float2((k >> 2) & 1, k >> 3));
+    cell *= lerp(1.0 - g, g, radtex_corner(k >> 2));
 #endif
     return cell.x * cell.y;
 }
@@ -78,10 +84,12 @@ float3 radtex_through(float2 uv, float3 from, float3 N, float3 V, float3 T, floa
     I *= rsqrt(max(dot(I, I), 1e-18));
     float2 disc = I.xy * rsqrt(1.0 + I.z);  // equal area; and from there to the square
     float2 square = disc * (length(disc) / max(max(abs(disc.x), abs(disc.y)), 1e-9));
-    float2 place = clamp((clamp(square, -1.0, 1.0) * 0.5 + 0.5) * n - 0.5, 0.0, n - 1.0);
-    float2 low = min(floor(place), n - 2.0), f = place - low, inside = radtex_inside(radtex_exit_tile, uv);
-    float2 g = frac(inside / radtex_exit_tile.zw * 0.5 - 0.5);
-    float4 ways[RADTEX_EXIT_TAPS], way = float4(0.0, 0.0, 0.0, 0.0), path = way;
+    float2 place = (clamp(square, float2(-1.0, -1.0), float2(1.0, 1.0)) * 0.5 + 0.5) * n - 0.5;
+    place = clamp(place, float2(0.0, 0.0), float2(n - 1.0, n - 1.0));
+    float2 low = min(floor(place), float2(n - 2.0, n - 2.0)), f = place - low;
+    float2 inside = radtex_inside(radtex_exit_tile, uv), g = frac(inside / radtex_exit_tile.zw * 0.5 - 0.5);
+    float4 way = float4(0.0, 0.0, 0.0, 0.0), path = way;
+    float4 ways[RADTEX_EXIT_TAPS];
     float3 chief = float3(0.0, 0.0, 0.0);
     float total = 0.0;
     [unroll] for (int k = 0; k < RADTEX_EXIT_TAPS; k++) {
@@ -102,17 +110,17 @@ float3 radtex_through(float2 uv, float3 from, float3 N, float3 V, float3 T, floa
     float luminance = max(way.w, 1e-6), even = length(way.xyz);
     float width = max(path.w / luminance + max(1.0 - even / luminance - 0.03, 0.0), 1e-12);  // more if they disagree
     float3 away = way.xyz / max(even, 1e-9), moved = path.xyz / luminance;
-    float3 ray = away.x * T + away.y * B + away.z * N, whence = from + moved.x * T + moved.y * B + moved.z * N;
-    return way.w * radtex_map(radtex_through_colour_map, radtex_through_colour_range, uv).rgb
-        * radtex_shown(whence, ray, radtex_met(whence, ray), log2(width));
+    float3 ray = away.x * T + away.y * B + away.z * N, exit = from + moved.x * T + moved.y * B + moved.z * N;
+    return way.w * radtex_colours(radtex_through_colour_map, radtex_through_colour_range, uv)
+        * radtex_shown(exit, ray, radtex_met(exit, ray), log2(width));
 }
 
 // Radiance towards the viewer, in the unit direction V, from a fragment at `position`.
 float3 radtex_layered_through(float2 uv, float3 position, float3 N, float3 V, float3 T, float3 B) {
     float3 through = radtex_through(uv, position - radtex_middle.xyz, N, V, T, B)
         + radtex_rest(radtex_through_rest_map, radtex_through_rest_range, radtex_through_rest_tile,
-                      float(RADTEX_THROUGH_CELLS), uv, radtex_square(-V));
-    return max(radtex_layered(uv, position, N, V) + radtex_alpha(uv) * through, 0.0);
+            float(RADTEX_THROUGH_CELLS), uv, radtex_square(-V));
+    return max(radtex_layered(uv, position, N, V) + radtex_alpha(uv) * through, float3(0.0, 0.0, 0.0));
 }
 
 #endif

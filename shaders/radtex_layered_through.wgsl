@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 RadTex authors
 // SPDX-License-Identifier: MIT
+// Written by .ci/build_shaders.py from source/radtex_layered_through.c: edit that.
 //
 // Look up a radiance texture in the layered layout, of an object that light comes through: WGSL. Put it behind
 // radtex_layered.wgsl, then
@@ -29,7 +30,7 @@ struct RadtexThrough {
 @group(1) @binding(18) var radtex_through_colour_map: texture_2d<f32>;
 @group(1) @binding(19) var radtex_through_rest_map: texture_2d<f32>;
 
-// A way, at a place in units of tiles: luminance * direction, luminance.
+// A way, at a place in texels' units of tiles: luminance * direction, luminance.
 fn radtex_way(at: vec2f) -> vec4f {
     let range = radtex_exit.direction_range;
     return textureSampleLevel(radtex_exit_direction_map, radtex_filtering, at * range.xy, 0.0) * range.z + range.w;
@@ -43,24 +44,29 @@ fn radtex_path(at: vec2f) -> vec4f {
 
 // The k-th of the four corners of a square.
 fn radtex_corner(k: i32) -> vec2f {
-    return vec2f(f32(k & 1), f32((k >> 1u) & 1));
+    return vec2f(f32(k & 1), f32((k >> 1) & 1));
 }
 
 // Where to look for a way's k-th tap: within the tile of a cell beside `low`, as the filter blends texels around
 // `inside`, or at one of these.
 fn radtex_tap(k: i32, low: vec2f, inside: vec2f) -> vec2f {
     let cell = low + radtex_corner(k);
-    if RADTEX_EXIT_TAPS != 16 { return cell + inside; }
-    let half_texel = radtex_exit.tile.zw;
-    let corner = floor(inside / half_texel * 0.5 - 0.5) * 2.0 + 1.0;
-    let texel = (corner + 2.0 * radtex_corner(k >> 2u)) * half_texel;
-    return cell + clamp(texel, half_texel, radtex_exit.tile.xy - half_texel);
+    if RADTEX_EXIT_TAPS == 16 {
+        let half_texel = radtex_exit.tile.zw;
+        let corner = floor(inside / half_texel * 0.5 - 0.5) * 2.0 + 1.0;
+        let texel = (corner + 2.0 * radtex_corner(k >> 2)) * half_texel;
+        return cell + clamp(texel, half_texel, radtex_exit.tile.xy - half_texel);
+    } else {
+        return cell + inside;
+    }
 }
 
 // The weight of a tap; f and g are the places between four cells and between four texels.
 fn radtex_tap_weight(k: i32, f: vec2f, g: vec2f) -> f32 {
     var cell = mix(1.0 - f, f, radtex_corner(k));
-    if RADTEX_EXIT_TAPS == 16 { cell *= mix(1.0 - g, g, radtex_corner(k >> 2u)); }
+    if RADTEX_EXIT_TAPS == 16 {
+        cell *= mix(1.0 - g, g, radtex_corner(k >> 2));
+    }
     return cell.x * cell.y;
 }
 
@@ -71,21 +77,21 @@ fn radtex_through(uv: vec2f, whence: vec3f, N: vec3f, V: vec3f, T: vec3f, B: vec
     I *= inverseSqrt(max(dot(I, I), 1e-18));
     let disc = I.xy * inverseSqrt(1.0 + I.z);  // equal area; and from there to the square
     let square = disc * (length(disc) / max(max(abs(disc.x), abs(disc.y)), 1e-9));
-    let position = clamp((clamp(square, vec2f(-1.0), vec2f(1.0)) * 0.5 + 0.5) * n - 0.5, vec2f(0.0), vec2f(n - 1.0));
-    let low = min(floor(position), vec2f(n - 2.0));
-    let f = position - low;
+    var place = (clamp(square, vec2f(-1.0, -1.0), vec2f(1.0, 1.0)) * 0.5 + 0.5) * n - 0.5;
+    place = clamp(place, vec2f(0.0, 0.0), vec2f(n - 1.0, n - 1.0));
+    let low = min(floor(place), vec2f(n - 2.0, n - 2.0));
+    let f = place - low;
     let inside = radtex_inside(radtex_exit.tile, uv);
     let g = fract(inside / radtex_exit.tile.zw * 0.5 - 0.5);
+    var way = vec4f(0.0, 0.0, 0.0, 0.0);
+    var path = way;
     var ways: array<vec4f, 16>;
-    var way = vec4f(0.0);
-    var path = vec4f(0.0);
-    var chief = vec3f(0.0);
+    var chief = vec3f(0.0, 0.0, 0.0);
     var total = 0.0;
     for (var k = 0; k < RADTEX_EXIT_TAPS; k++) {
-        let one = radtex_tap_weight(k, f, g) * radtex_way(radtex_tap(k, low, inside));
-        chief = select(chief, one.xyz, dot(one.xyz, one.xyz) > dot(chief, chief));
-        total += one.w;
-        ways[k] = one;
+        ways[k] = radtex_tap_weight(k, f, g) * radtex_way(radtex_tap(k, low, inside));
+        chief = select(chief, ways[k].xyz, dot(ways[k].xyz, ways[k].xyz) > dot(chief, chief));
+        total += ways[k].w;
     }
     chief *= inverseSqrt(max(dot(chief, chief), 1e-24));
     for (var k = 0; k < RADTEX_EXIT_TAPS; k++) {
@@ -103,15 +109,15 @@ fn radtex_through(uv: vec2f, whence: vec3f, N: vec3f, V: vec3f, T: vec3f, B: vec
     let away = way.xyz / max(even, 1e-9);
     let moved = path.xyz / luminance;
     let ray = away.x * T + away.y * B + away.z * N;
-    let at = whence + moved.x * T + moved.y * B + moved.z * N;
-    return way.w * radtex_map(radtex_through_colour_map, radtex_exit.colour_range, uv).rgb
-        * radtex_shown(at, ray, radtex_met(at, ray), log2(width));
+    let exit = whence + moved.x * T + moved.y * B + moved.z * N;
+    return way.w * radtex_colours(radtex_through_colour_map, radtex_exit.colour_range, uv)
+        * radtex_shown(exit, ray, radtex_met(exit, ray), log2(width));
 }
 
 // Radiance towards the viewer, in the unit direction V, from a fragment at `position`.
 fn radtex_layered_through(uv: vec2f, position: vec3f, N: vec3f, V: vec3f, T: vec3f, B: vec3f) -> vec3f {
     let through = radtex_through(uv, position - radtex.middle.xyz, N, V, T, B)
-        + radtex_rest(radtex_through_rest_map, radtex_exit.rest_range, radtex_exit.rest_tile, RADTEX_THROUGH_CELLS,
-                      uv, radtex_square(-V));
-    return max(radtex_layered(uv, position, N, V) + radtex_alpha(uv) * through, vec3f(0.0));
+        + radtex_rest(radtex_through_rest_map, radtex_exit.rest_range, radtex_exit.rest_tile,
+            f32(RADTEX_THROUGH_CELLS), uv, radtex_square(-V));
+    return max(radtex_layered(uv, position, N, V) + radtex_alpha(uv) * through, vec3f(0.0, 0.0, 0.0));
 }

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 RadTex authors
 // SPDX-License-Identifier: MIT
+// Written by .ci/build_shaders.py from source/radtex_shadow.c: edit that.
 //
 // Look up shadows in one bit a cell: GLSL 330 and later, GLSL ES 300 (WebGL 2) and later. Include radtex.glsl, then
 // this, then
@@ -30,7 +31,7 @@ precision highp usampler2DArray;
 struct RadtexShadow {
     vec2 beyond;
 #ifdef RADTEX_SHADOW_LAYERS
-    ivec2 nearest, last;
+    ivec2 nearest, texels;
 #else
     uvec2 words[9];
 #endif
@@ -44,19 +45,35 @@ struct RadtexShadow {
 #define RADTEX_HERE here
 #endif
 
+// The texel t, of nine, around the nearest.
+ivec2 radtex_shadow_texel(ivec2 nearest, ivec2 texels, int t) {
+    return clamp(nearest + ivec2(int(uint(t) % 3u), int(uint(t) / 3u)) - 1, ivec2(0, 0), texels - 1);
+}
+
+#ifdef RADTEX_SHADOW_LAYERS
+// The word of a texel that has the bit k.
+uint radtex_bits(RADTEX_BITS bits, ivec2 texels, ivec2 texel, int k) {
+    uvec2 words = texelFetch(bits, ivec3(texel, k >> 6), 0).xy;
+    return (k & 32) == 0 ? words.x : words.y;
+}
+#else
+// The two words of a texel.
+uvec2 radtex_bits(RADTEX_BITS bits, ivec2 texels, ivec2 texel) {
+    return texelFetch(bits, texel, 0).xy;
+}
+#endif
+
 // What every lookup at `uv` reads, for however many lights. With layers, `bits` also is each lookup's first argument.
 RadtexShadow radtex_shadow(RADTEX_BITS bits, ivec2 texels, vec2 uv) {
     vec2 position = uv * vec2(texels), corner = floor(position);
-    ivec2 nearest = ivec2(corner), last = texels - 1;
     RadtexShadow here;
     here.beyond = position - corner - 0.5;
 #ifdef RADTEX_SHADOW_LAYERS
-    here.nearest = nearest;
-    here.last = last;
+    here.nearest = ivec2(corner);
+    here.texels = texels;
 #else
     for (int t = 0; t < 9; t++) {
-        ivec2 texel = clamp(nearest + ivec2(t % 3, t / 3) - 1, ivec2(0), last);
-        here.words[t] = texelFetch(bits, texel, 0).xy;
+        here.words[t] = radtex_bits(bits, texels, radtex_shadow_texel(ivec2(corner), texels, t));
     }
 #endif
     return here;
@@ -65,13 +82,12 @@ RadtexShadow radtex_shadow(RADTEX_BITS bits, ivec2 texels, vec2 uv) {
 // 1 where the cell k of texel t, of nine, is open, 0 where it is blocked.
 float radtex_open(RADTEX_SHADOW, int t, int k) {
 #ifdef RADTEX_SHADOW_LAYERS
-    ivec2 texel = clamp(here.nearest + ivec2(t % 3, t / 3) - 1, ivec2(0), here.last);
-    uvec2 words = texelFetch(bits, ivec3(texel, k >> 6), 0).xy;
+    uint word = radtex_bits(bits, here.texels, radtex_shadow_texel(here.nearest, here.texels, t), k);
 #else
     uvec2 words = here.words[t];
-#endif
     uint word = (k & 32) == 0 ? words.x : words.y;
-    return float(1u - ((word >> uint(k & 31)) & 1u));
+#endif
+    return ((word >> uint(k & 31)) & 1u) == 0u ? 1.0 : 0.0;
 }
 
 // The same between the four texels around the place.
@@ -79,23 +95,24 @@ float radtex_open_here(RADTEX_SHADOW, int k) {
     int x = here.beyond.x < 0.0 ? -1 : 1, y = here.beyond.y < 0.0 ? -3 : 3;
     vec2 f = abs(here.beyond);
     return mix(mix(radtex_open(RADTEX_HERE, 4, k), radtex_open(RADTEX_HERE, 4 + x, k), f.x),
-               mix(radtex_open(RADTEX_HERE, 4 + y, k), radtex_open(RADTEX_HERE, 4 + x + y, k), f.x), f.y);
+        mix(radtex_open(RADTEX_HERE, 4 + y, k), radtex_open(RADTEX_HERE, 4 + x + y, k), f.x), f.y);
 }
 
 // Where a direction of the frame lies among the middles of n x n cells.
 vec2 radtex_between_cells(int n, vec3 I) {
-    return clamp((radtex_bucket(I) + 1.0) * 0.5 * float(n), 0.5, float(n) - 0.5) - 0.5;
+    float inner = float(n) - 0.5;
+    return clamp((radtex_bucket(I) + 1.0) * 0.5 * float(n), vec2(0.5, 0.5), vec2(inner, inner)) - 0.5;
 }
 
 // How much of a light in the unit direction I of the frame is seen, 0 to 1: texels and cells are blended.
 float radtex_visible(RADTEX_SHADOW, int n, vec3 I) {
     vec2 position = radtex_between_cells(n, I);
-    ivec2 low = ivec2(position), high = min(low + 1, n - 1);
+    ivec2 low = ivec2(position), high = min(low + 1, ivec2(n - 1, n - 1));
     vec2 f = position - vec2(low);
     float below = mix(radtex_open_here(RADTEX_HERE, low.y * n + low.x),
-                      radtex_open_here(RADTEX_HERE, low.y * n + high.x), f.x);
+        radtex_open_here(RADTEX_HERE, low.y * n + high.x), f.x);
     float above = mix(radtex_open_here(RADTEX_HERE, high.y * n + low.x),
-                      radtex_open_here(RADTEX_HERE, high.y * n + high.x), f.x);
+        radtex_open_here(RADTEX_HERE, high.y * n + high.x), f.x);
     return mix(below, above, f.y);
 }
 
@@ -106,23 +123,24 @@ float radtex_visible(RADTEX_SHADOW, int n, vec3 I) {
 
 // The cell that holds I: more than 8 x 8 cells are fine enough for a light's own size to blend them.
 float radtex_visible_point(RADTEX_POINTS, int n, vec3 I) {
-    ivec2 cell = clamp(ivec2((radtex_bucket(I) + 1.0) * 0.5 * float(n)), ivec2(0), ivec2(n - 1));
+    ivec2 cell = ivec2((radtex_bucket(I) + 1.0) * 0.5 * float(n));
+    cell = clamp(cell, ivec2(0, 0), ivec2(n - 1, n - 1));
     return radtex_open_here(RADTEX_HERE, cell.y * n + cell.x);
 }
 #else
-#define RADTEX_POINTS float cells[64]
-#define RADTEX_POINT cells
+#define RADTEX_POINTS float radtex_openness[64]
+#define RADTEX_POINT radtex_openness
 
 // How open each cell is in the mean of nine texels, read once for all points.
-void radtex_blend(RadtexShadow here, out float cells[64]) {
-    for (int k = 0; k < 64; k++) cells[k] = 0.0;
+void radtex_blend(RadtexShadow here, out float radtex_openness[64]) {
+    for (int k = 0; k < 64; k++) radtex_openness[k] = 0.0;
     for (int t = 0; t < 9; t++) {
         float x = t % 3 == 1 ? 1.0 : 0.5 + (t % 3 == 0 ? -here.beyond.x : here.beyond.x);
         float y = t / 3 == 1 ? 1.0 : 0.5 + (t / 3 == 0 ? -here.beyond.y : here.beyond.y);
         uvec2 clear = ~here.words[t];
         for (int k = 0; k < 32; k++) {
-            cells[k] += 0.25 * x * y * float((clear.x >> uint(k)) & 1u);
-            cells[k + 32] += 0.25 * x * y * float((clear.y >> uint(k)) & 1u);
+            radtex_openness[k] += 0.25 * x * y * float((clear.x >> uint(k)) & 1u);
+            radtex_openness[k + 32] += 0.25 * x * y * float((clear.y >> uint(k)) & 1u);
         }
     }
 }
@@ -130,10 +148,10 @@ void radtex_blend(RadtexShadow here, out float cells[64]) {
 // Between four cells, and sharpened: a shadow's edge lies where so wide a blend is about a half.
 float radtex_visible_point(RADTEX_POINTS, int n, vec3 I) {
     vec2 position = radtex_between_cells(n, I);
-    ivec2 low = ivec2(position), high = min(low + 1, n - 1);
+    ivec2 low = ivec2(position), high = min(low + 1, ivec2(n - 1, n - 1));
     vec2 f = position - vec2(low);
-    float below = mix(cells[low.y * n + low.x], cells[low.y * n + high.x], f.x);
-    float above = mix(cells[high.y * n + low.x], cells[high.y * n + high.x], f.x);
+    float below = mix(radtex_openness[low.y * n + low.x], radtex_openness[low.y * n + high.x], f.x);
+    float above = mix(radtex_openness[high.y * n + low.x], radtex_openness[high.y * n + high.x], f.x);
     return clamp(2.0 * mix(below, above, f.y) - 0.5, 0.0, 1.0);
 }
 #endif
@@ -146,12 +164,16 @@ mat3 radtex_frame(vec3 normal, vec3 tangent, float bitangent_sign) {
     return transpose(mat3(x, y, z));
 }
 
+vec3 radtex_in_frame(vec3 direction, mat3 frame) {
+    return direction * frame;
+}
+
 // A sun's irradiance over that which it has at a right angle, from `count` points, even on its disc, `angle` wide in
 // radians.
 float radtex_sun(RADTEX_SHADOW, int n, mat3 frame, vec3 to_sun, float angle, int count) {
 #ifndef RADTEX_SHADOW_LAYERS
-    float cells[64];
-    radtex_blend(here, cells);
+    float radtex_openness[64];
+    radtex_blend(here, radtex_openness);
 #endif
     vec3 axis = normalize(to_sun);
     vec3 across = normalize(cross(abs(axis.z) < 0.9 ? vec3(0.0, 0.0, 1.0) : vec3(1.0, 0.0, 0.0), axis));
@@ -160,7 +182,7 @@ float radtex_sun(RADTEX_SHADOW, int n, mat3 frame, vec3 to_sun, float angle, int
     for (int k = 0; k < count; k++) {
         float share = count > 1 ? (float(k) + 0.5) / float(count) : 0.0, turn = float(k) * 2.39996323;  // a sunflower
         float cosine = 1.0 - share * (1.0 - rim), sine = sqrt(max(1.0 - cosine * cosine, 0.0));
-        vec3 L = (cosine * axis + sine * (cos(turn) * across + sin(turn) * up)) * frame;
+        vec3 L = radtex_in_frame(cosine * axis + sine * (cos(turn) * across + sin(turn) * up), frame);
         if (L.z > 0.0) sum += L.z * radtex_visible_point(RADTEX_POINT, n, L);
     }
     return sum / float(count) * 2.0 / (1.0 + rim);
@@ -170,8 +192,8 @@ float radtex_sun(RADTEX_SHADOW, int n, mat3 frame, vec3 to_sun, float angle, int
 // cross(side, up). Divide by the area for a lamp of given power. Points are spread by Roberts's sequence.
 float radtex_rectangle(RADTEX_SHADOW, int n, mat3 frame, vec3 position, vec3 corner, vec3 side, vec3 up, int count) {
 #ifndef RADTEX_SHADOW_LAYERS
-    float cells[64];
-    radtex_blend(here, cells);
+    float radtex_openness[64];
+    radtex_blend(here, radtex_openness);
 #endif
     vec3 face = cross(side, up);  // as long as the area
     float sum = 0.0;
@@ -179,7 +201,7 @@ float radtex_rectangle(RADTEX_SHADOW, int n, mat3 frame, vec3 position, vec3 cor
         vec2 place = fract(0.5 + float(k + 1) * vec2(0.754877666, 0.569840291));
         vec3 way = corner + place.x * side + place.y * up - position;
         float squared = max(dot(way, way), 1e-30);
-        vec3 L = (way * inversesqrt(squared)) * frame;
+        vec3 L = radtex_in_frame(way * inversesqrt(squared), frame);
         float weight = max(L.z, 0.0) * max(-dot(way, face), 0.0) / (squared * sqrt(squared));
         if (weight > 0.0) sum += weight * radtex_visible_point(RADTEX_POINT, n, L);
     }

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 RadTex authors
 // SPDX-License-Identifier: MIT
+// Written by .ci/build_shaders.py from source/radtex_shadow.c: edit that.
 //
 // Look up shadows in one bit a cell: WGSL. Put it behind radtex.wgsl, then
 //
@@ -15,54 +16,65 @@
 // columns are T, Bt and N, in the space of all other vectors.
 
 // A place among texels: the nearest, and how far the place is from its middle, -1/2 to 1/2.
-struct RadtexShadow { nearest: vec2i, texels: vec2i, beyond: vec2f }
+struct RadtexShadow {
+    beyond: vec2f,
+    nearest: vec2i,
+    texels: vec2i,
+}
 
-// What every lookup at `uv` takes, for however many lights.
+// The texel t, of nine, around the nearest.
+fn radtex_shadow_texel(nearest: vec2i, texels: vec2i, t: i32) -> vec2i {
+    return clamp(nearest + vec2i(i32(u32(t) % 3u), i32(u32(t) / 3u)) - 1, vec2i(0, 0), texels - 1);
+}
+
+// The word of a texel that has the bit k.
+fn radtex_bits(bits: texture_2d_array<u32>, texels: vec2i, texel: vec2i, k: i32) -> u32 {
+    let words = textureLoad(bits, texel, k >> 6, 0).xy;
+    return select(words.y, words.x, (k & 32) == 0);
+}
+
+// What every lookup at `uv` reads, for however many lights. With layers, `bits` also is each lookup's first argument.
 fn radtex_shadow(bits: texture_2d_array<u32>, texels: vec2i, uv: vec2f) -> RadtexShadow {
     let position = uv * vec2f(texels);
     let corner = floor(position);
-    return RadtexShadow(vec2i(corner), texels, position - corner - 0.5);
+    var here: RadtexShadow;
+    here.beyond = position - corner - 0.5;
+    here.nearest = vec2i(corner);
+    here.texels = texels;
+    return here;
 }
 
-// Two words of the texel t, of nine around the place.
-fn radtex_words(bits: texture_2d_array<u32>, here: RadtexShadow, t: i32, layer: i32) -> vec2u {
-    let texel = clamp(here.nearest + vec2i(t % 3, t / 3) - 1, vec2i(0), here.texels - 1);
-    return textureLoad(bits, texel, layer, 0).xy;
+// 1 where the cell k of texel t, of nine, is open, 0 where it is blocked.
+fn radtex_open(bits: texture_2d_array<u32>, here: RadtexShadow, t: i32, k: i32) -> f32 {
+    var word = radtex_bits(bits, here.texels, radtex_shadow_texel(here.nearest, here.texels, t), k);
+    return select(0.0, 1.0, ((word >> u32(k & 31)) & 1u) == 0u);
 }
 
-// 1 where bit k of two words is open, 0 where it is blocked.
-fn radtex_open(words: vec2u, k: i32) -> f32 {
-    let word = select(words.y, words.x, (k & 32) == 0);
-    return f32(1u - ((word >> u32(k & 31)) & 1u));
-}
-
-// The same of the cell k between the four texels around the place.
+// The same between the four texels around the place.
 fn radtex_open_here(bits: texture_2d_array<u32>, here: RadtexShadow, k: i32) -> f32 {
     let x = select(1, -1, here.beyond.x < 0.0);
     let y = select(3, -3, here.beyond.y < 0.0);
     let f = abs(here.beyond);
-    let below = mix(radtex_open(radtex_words(bits, here, 4, k >> 6), k),
-                    radtex_open(radtex_words(bits, here, 4 + x, k >> 6), k), f.x);
-    let above = mix(radtex_open(radtex_words(bits, here, 4 + y, k >> 6), k),
-                    radtex_open(radtex_words(bits, here, 4 + x + y, k >> 6), k), f.x);
-    return mix(below, above, f.y);
+    return mix(mix(radtex_open(bits, here, 4, k), radtex_open(bits, here, 4 + x, k), f.x),
+        mix(radtex_open(bits, here, 4 + y, k), radtex_open(bits, here, 4 + x + y, k), f.x), f.y);
 }
 
 // Where a direction of the frame lies among the middles of n x n cells.
 fn radtex_between_cells(n: i32, I: vec3f) -> vec2f {
-    return clamp((radtex_bucket(I) + 1.0) * 0.5 * f32(n), vec2f(0.5), vec2f(f32(n) - 0.5)) - 0.5;
+    let inner = f32(n) - 0.5;
+    return clamp((radtex_bucket(I) + 1.0) * 0.5 * f32(n), vec2f(0.5, 0.5), vec2f(inner, inner)) - 0.5;
 }
 
 // How much of a light in the unit direction I of the frame is seen, 0 to 1: texels and cells are blended.
 fn radtex_visible(bits: texture_2d_array<u32>, here: RadtexShadow, n: i32, I: vec3f) -> f32 {
     let position = radtex_between_cells(n, I);
     let low = vec2i(position);
-    let high = min(low + 1, vec2i(n - 1));
+    let high = min(low + 1, vec2i(n - 1, n - 1));
     let f = position - vec2f(low);
     let below = mix(radtex_open_here(bits, here, low.y * n + low.x),
-                    radtex_open_here(bits, here, low.y * n + high.x), f.x);
+        radtex_open_here(bits, here, low.y * n + high.x), f.x);
     let above = mix(radtex_open_here(bits, here, high.y * n + low.x),
-                    radtex_open_here(bits, here, high.y * n + high.x), f.x);
+        radtex_open_here(bits, here, high.y * n + high.x), f.x);
     return mix(below, above, f.y);
 }
 
@@ -71,9 +83,12 @@ fn radtex_blend(bits: texture_2d_array<u32>, here: RadtexShadow, cells: ptr<func
     let across = vec3f(0.5 - here.beyond.x, 1.0, 0.5 + here.beyond.x) * 0.5;
     let up = vec3f(0.5 - here.beyond.y, 1.0, 0.5 + here.beyond.y) * 0.5;
     for (var t = 0; t < 9; t++) {
-        let words = radtex_words(bits, here, t, 0);
+        let words = textureLoad(bits, radtex_shadow_texel(here.nearest, here.texels, t), 0, 0).xy;
         let weight = across[t % 3] * up[t / 3];
-        for (var k = 0; k < 64; k++) { (*cells)[k] += weight * radtex_open(words, k); }
+        for (var k = 0; k < 64; k++) {
+            let word = select(words.y, words.x, k < 32);
+            (*cells)[k] += weight * f32(1u - ((word >> u32(k & 31)) & 1u));
+        }
     }
 }
 
@@ -102,6 +117,10 @@ fn radtex_frame(normal: vec3f, tangent: vec3f, bitangent_sign: f32) -> mat3x3f {
     return transpose(mat3x3f(x, y, z));
 }
 
+fn radtex_in_frame(direction: vec3f, frame: mat3x3f) -> vec3f {
+    return direction * frame;
+}
+
 // A sun's irradiance over that which it has at a right angle, from `count` points, even on its disc, `angle` wide in
 // radians.
 fn radtex_sun(bits: texture_2d_array<u32>, here: RadtexShadow, n: i32, frame: mat3x3f, to_sun: vec3f, angle: f32,
@@ -118,7 +137,7 @@ fn radtex_sun(bits: texture_2d_array<u32>, here: RadtexShadow, n: i32, frame: ma
         let turn = f32(k) * 2.39996323;  // a sunflower
         let cosine = 1.0 - share * (1.0 - rim);
         let sine = sqrt(max(1.0 - cosine * cosine, 0.0));
-        let L = (cosine * axis + sine * (cos(turn) * across + sin(turn) * up)) * frame;
+        let L = radtex_in_frame(cosine * axis + sine * (cos(turn) * across + sin(turn) * up), frame);
         if L.z > 0.0 { sum += L.z * radtex_visible_point(bits, here, &cells, n, L); }
     }
     return sum / f32(count) * 2.0 / (1.0 + rim);
@@ -136,7 +155,7 @@ fn radtex_rectangle(bits: texture_2d_array<u32>, here: RadtexShadow, n: i32, fra
         let place = fract(0.5 + f32(k + 1) * vec2f(0.754877666, 0.569840291));
         let way = corner + place.x * side + place.y * up - position;
         let squared = max(dot(way, way), 1e-30);
-        let L = (way * inverseSqrt(squared)) * frame;
+        let L = radtex_in_frame(way * inverseSqrt(squared), frame);
         let weight = max(L.z, 0.0) * max(-dot(way, face), 0.0) / (squared * sqrt(squared));
         if weight > 0.0 { sum += weight * radtex_visible_point(bits, here, &cells, n, L); }
     }

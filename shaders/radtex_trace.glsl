@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 RadTex authors
 // SPDX-License-Identifier: MIT
+// Written by .ci/build_shaders.py from source/radtex_trace.c: edit that.
 //
 // Find where a ray first meets a baked mesh: GLSL 330 and later, GLSL ES 300 (WebGL 2) and later. Include it, then
 //
@@ -69,7 +70,8 @@ RadtexMet radtex_met_in(sampler2D tree, int first, vec3 from, vec3 ray, vec3 fou
 }
 
 RadtexMet radtex_trace(sampler2D tree, int nodes, vec3 from, vec3 ray, float least, bool culled) {
-    vec3 safe = vec3(abs(ray.x) < 1e-9 ? 1e-9 : ray.x, abs(ray.y) < 1e-9 ? 1e-9 : ray.y, abs(ray.z) < 1e-9 ? 1e-9 : ray.z);
+    vec3 safe = vec3(abs(ray.x) < 1e-9 ? 1e-9 : ray.x, abs(ray.y) < 1e-9 ? 1e-9 : ray.y,
+        abs(ray.z) < 1e-9 ? 1e-9 : ray.z);
     vec3 slope = 1.0 / safe, best = vec3(exp2(100.0), 0.0, 0.0);
     int chosen = -1, node = 0;
     for (int visited = 0; visited < nodes && node < nodes; visited++) {

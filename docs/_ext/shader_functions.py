@@ -28,13 +28,13 @@ def shader(name: str) -> str:
 
 
 def _head(text: str) -> str:
-    """The comment at the top as Markdown, without the licence; what is indented in it is code."""
+    """The comment at the top as Markdown, without licence and origin; what is indented in it is code."""
     lines = []
     for line in text.splitlines():
         if not line.startswith("//"):
             break
         told = line.removeprefix("//").removeprefix(" ")
-        if not told.startswith("SPDX-"):
+        if not told.startswith(("SPDX-", "Written by ")):
             lines.append(told if told.startswith("    ") else _prose(told))
     return "\n".join(lines).strip()
 

@@ -13,7 +13,7 @@ pytestmark = pytest.mark.one_blender
 
 GAMES_SHIP = ("shaders/", "radtex_addon/export/godot_project/")
 ROOT = Path(__file__).resolve().parents[2]
-SHADERS = ("*.glsl", "*.hlsl", "*.cginc", "*.shader", "*.osl", "*.wgsl", "*.gdshader", "*.gdshaderinc")
+SHADERS = ("*.c", "*.glsl", "*.hlsl", "*.cginc", "*.shader", "*.osl", "*.wgsl", "*.gdshader", "*.gdshaderinc")
 SCRIPTS = ("*.gd", "*.cs", "*.template", "*.ts", "*.js", "*.mjs", "*.css", "*.sh", ".ci/run")
 SOURCES = ("*.py", "*.toml", *SHADERS, *SCRIPTS)
 

@@ -28,7 +28,8 @@ vec4 light(vec2 uv, vec3 normal, vec4 tangent, vec3 V) {
 vec4 stored_cell(ivec2 texel, ivec2 cell) {
     RadtexShadow here;
 #ifdef RADTEX_SHADOW_LAYERS
-    here.nearest = here.last = texel;
+    here.nearest = texel;
+    here.texels = u_texels;
 #else
     here.words[4] = texelFetch(u_bits, texel, 0).xy;
 #endif

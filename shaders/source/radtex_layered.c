@@ -1,0 +1,682 @@
+// SPDX-FileCopyrightText: 2026 RadTex authors
+// SPDX-License-Identifier: MIT
+@for glsl hlsl wgsl godot
+@name wgsl radtex_material radtex_of.curves
+@name wgsl radtex_lobes radtex_of.lobes
+//
+@in glsl
+// Look up a radiance texture in the layered layout: GLSL 330 and later, GLSL ES 300 (WebGL 2) and later. Define what
+// the bake has, include this file, then
+@in hlsl
+// Look up a radiance texture in the layered layout: HLSL, shader model 5 and later. Define what the bake has, include
+// this file, then
+@in wgsl
+// Look up a radiance texture in the layered layout: WGSL. Put it before your shader's text, then
+@in godot
+// Look up a radiance texture in the layered layout: Godot 4.6's shading language, every renderer. Define what the bake
+// has, include this file, then in fragment()
+@end
+//
+@in wgsl
+//     let V = normalize(camera - position); let N = normalize(normal);  // in Blender's world space of the bake, z up
+@else
+//     vec3 V = normalize(camera - position), N = normalize(normal);  // in Blender's world space of the bake, z up
+@end
+//     vec3 light = radtex_layered(uv, position, N, V);               // premultiplied by radtex_alpha(uv)
+//
+@in glsl
+// or, of an object that light comes through, what radtex_layered_through.glsl adds; RADTEX_THROUGH is defined then.
+@in hlsl
+// or, of an object that light comes through, what radtex_layered_through.hlsl adds; RADTEX_THROUGH is defined then.
+@in wgsl
+// or, of an object that light comes through, what radtex_layered_through.wgsl adds.
+@in godot
+// or, of an object that light comes through, what radtex_layered_through.gdshaderinc adds, with RADTEX_THROUGH defined.
+// uv is vec2(UV.x, 1.0 - UV.y) of a glTF. It has turned the bake's axes, too: (x, y, z) in Godot was (x, -z, y).
+@end
+//
+@in wgsl
+// What the bake has and what a lookup costs is overridden when a pipeline is made, which leaves out what is not needed.
+// Textures, one for each layer, have mip levels if they are the world's, the plane's or the things'; in place of one
+// that the bake lacks, any of 1 x 1 is bound. The sampler clamps to the edge and filters linearly, between levels, too.
+// v = 0 is the first row. A range is the share of a texture's width and height that is no padding, and scale and
+// offset: a value is texel * scale + offset, but for the alpha of own, plane and things. `radtex` is the same for all
+// materials, radtex_of is of one: draw one material at a time. For another group of bindings, replace "@group(1)".
+@else
+// What the bake has. RADTEX_MIRRORS: any of its materials has lobes. RADTEX_TINT, RADTEX_NORMAL, RADTEX_WIDTH,
+// RADTEX_ALPHA, RADTEX_PLANE, RADTEX_THINGS (with distances): these layers. RADTEX_LAMPS: how many, 0 to 8.
+@end
+@in glsl hlsl
+// RADTEX_OWN_CELLS, RADTEX_REST_CELLS: cells along the sides of buckets.
+@in godot
+// RADTEX_OWN_CELLS, RADTEX_REST_CELLS: cells along the sides of buckets. RADTEX_SRGB: textures of colour, tint, own,
+// plane, things and through_colour hold sRGB, which Godot decodes for no file; the shader decodes what it fetches.
+@end
+@in glsl hlsl godot
+//
+// What a lookup costs. RADTEX_STEPS (0, 1, 2; default 1): fetches of distances. RADTEX_OWN_TAPS, RADTEX_REST_TAPS (3,
+// 4; default 3): cells of a bucket that are blended. RADTEX_SECOND_LOBE (0, 1; default 1): whether the second lobe is
+// looked up, or materials have one lobe in place of two.
+//
+// Textures, one for each layer, are clamped to their edges and filtered linearly; world, plane and things have mip
+@end
+@in hlsl
+// levels, filtered linearly, too. v = 0 is the first row, or with RADTEX_TOP_DOWN the last one. A range is the share of
+// a texture's width and height that is no padding, and scale and offset: a value is texel * scale + offset, but for the
+// alpha of own, plane and things.
+// Uniforms are the same for all materials, but for radtex_material and radtex_lobes: draw one material at a time.
+//
+// Where things are bound. RADTEX_SAMPLER: a linear, clamped SamplerState that is declared before; without, there is
+// radtex_filtering. RADTEX_TEXTURE(k), RADTEX_BUFFER(k): what follows the declaration of the k-th texture or buffer,
+// such as `: register(t##k)`; without, the compiler chooses. RADTEX_DECLARED: you declare textures and buffers before.
+// RADTEX_NO_DERIVATIVES: for stages other than the pixel's.
+
+#ifndef RADTEX_LAYERED_HLSL
+#define RADTEX_LAYERED_HLSL
+
+@in glsl godot
+// levels, filtered linearly, too. v = 0 is the first row. A range is the share of a texture's width and height that is
+// no padding, and scale and offset: a value is texel * scale + offset, but for the alpha of own, plane and things.
+// Uniforms are the same for all materials, but for radtex_material and radtex_lobes: draw one material at a time. Or define
+// RADTEX_MATERIALS, give those two the values of so many materials one behind the other, and call radtex_layered_of.
+@end
+@in glsl
+//
+// RADTEX_DECLARED: you declare the uniforms before, in blocks if you like, as Vulkan must have it.
+// RADTEX_NO_DERIVATIVES: for stages other than the fragment's.
+
+#ifdef GL_ES
+precision highp float;
+precision highp int;
+precision highp sampler2D;
+#endif
+
+@in godot
+
+#ifndef RADTEX_TINY
+#define RADTEX_TINY exp2(-100.0)  // 1e-30; Godot passes literals on with 14 decimals only
+#endif
+
+@end
+@in glsl godot
+#ifndef RADTEX_MATERIALS
+#define RADTEX_MATERIALS 1
+#endif
+@end
+@in glsl hlsl godot
+#ifndef RADTEX_LAMPS
+#define RADTEX_LAMPS 0
+#endif
+#ifndef RADTEX_STEPS
+#define RADTEX_STEPS 1
+#endif
+#ifndef RADTEX_OWN_TAPS
+#define RADTEX_OWN_TAPS 3
+#endif
+#ifndef RADTEX_REST_TAPS
+#define RADTEX_REST_TAPS 3
+#endif
+#ifndef RADTEX_SECOND_LOBE
+#define RADTEX_SECOND_LOBE 1
+#endif
+@end
+@in glsl
+
+#ifndef RADTEX_DECLARED
+@in godot
+
+@end
+@in glsl godot
+// By N.V: the falloff, and the sine by which lobes bend towards the normal.
+uniform vec4 radtex_material[16 * RADTEX_MATERIALS];
+uniform sampler2D radtex_colour_map, radtex_irradiance_map, radtex_rest_map;
+uniform vec4 radtex_colour_range;  // part of width and height, scale, offset
+uniform vec4 radtex_irradiance_range;
+uniform vec4 radtex_rest_range;  // the size of a tile in place of the part
+uniform vec4 radtex_rest_tile;  // size of a tile without its padding, and half a texel, in units of a tile
+#ifdef RADTEX_TINT
+uniform sampler2D radtex_tint_map;
+uniform vec4 radtex_tint_range;
+#endif
+#ifdef RADTEX_NORMAL
+uniform sampler2D radtex_normal_map;
+uniform vec4 radtex_normal_range;
+#endif
+#ifdef RADTEX_ALPHA
+uniform sampler2D radtex_alpha_map;
+uniform vec4 radtex_alpha_range;
+#endif
+#ifdef RADTEX_MIRRORS
+// By N.V: weight, and log2 of the width²; the first lobe's, then the second one's.
+uniform vec4 radtex_lobes[32 * RADTEX_MATERIALS];
+uniform sampler2D radtex_own_map;
+uniform vec4 radtex_own_range, radtex_own_tile;
+#ifdef RADTEX_WIDTH
+uniform sampler2D radtex_width_map;
+uniform vec4 radtex_width_range;
+#endif
+#endif
+#if defined(RADTEX_MIRRORS) || defined(RADTEX_THROUGH)
+uniform vec4 radtex_middle;  // xyz: from where the surroundings are seen
+uniform mipmapped sampler2D radtex_world_map;
+uniform vec4 radtex_world_range;
+uniform vec4 radtex_world_levels;  // texels along a side, last level, log2 of level 0's width²
+#ifdef RADTEX_PLANE
+uniform mipmapped sampler2D radtex_plane_map;
+uniform vec4 radtex_plane_range, radtex_plane_levels;
+uniform vec4 radtex_plane_place;  // its normal and height, from the middle
+uniform vec4 radtex_plane_eye;    // where its picture was taken from, and how high above the plane that is
+#endif
+#ifdef RADTEX_THINGS
+uniform mipmapped sampler2D radtex_things_map;
+uniform sampler2D radtex_distances_map;
+uniform vec4 radtex_things_range, radtex_things_levels, radtex_distances_range;
+uniform vec4 radtex_distances_size;  // texels along a side, and the mean distance
+#endif
+#if RADTEX_LAMPS > 0
+uniform vec4 radtex_lamp_place[RADTEX_LAMPS];  // from the middle, and width²
+uniform vec4 radtex_lamp_light[RADTEX_LAMPS];  // rgb: irradiance at the middle
+#endif
+#endif
+@end
+@in glsl
+#endif
+@in hlsl
+#ifndef RADTEX_TEXTURE
+#define RADTEX_TEXTURE(k)
+#endif
+#ifndef RADTEX_BUFFER
+#define RADTEX_BUFFER(k)
+#endif
+#ifndef RADTEX_SAMPLER
+SamplerState radtex_filtering;
+#define RADTEX_SAMPLER radtex_filtering
+#endif
+
+#ifndef RADTEX_DECLARED
+Texture2D radtex_colour_map RADTEX_TEXTURE(0);
+Texture2D radtex_irradiance_map RADTEX_TEXTURE(1);
+Texture2D radtex_tint_map RADTEX_TEXTURE(2);
+Texture2D radtex_normal_map RADTEX_TEXTURE(3);
+Texture2D radtex_width_map RADTEX_TEXTURE(4);
+Texture2D radtex_alpha_map RADTEX_TEXTURE(5);
+Texture2D radtex_own_map RADTEX_TEXTURE(6);
+Texture2D radtex_rest_map RADTEX_TEXTURE(7);
+Texture2D radtex_world_map RADTEX_TEXTURE(8);
+Texture2D radtex_plane_map RADTEX_TEXTURE(9);
+Texture2D radtex_things_map RADTEX_TEXTURE(10);
+Texture2D radtex_distances_map RADTEX_TEXTURE(11);
+
+cbuffer RadtexBake RADTEX_BUFFER(0) {
+    float4 radtex_middle;        // xyz: from where the surroundings are seen
+    float4 radtex_colour_range;  // part of width and height, scale, offset
+    float4 radtex_irradiance_range;
+    float4 radtex_tint_range;
+    float4 radtex_normal_range;
+    float4 radtex_width_range;
+    float4 radtex_alpha_range;
+    float4 radtex_own_range;     // the size of a tile in place of the part
+    float4 radtex_rest_range;
+    float4 radtex_own_tile;      // size of a tile without its padding, and half a texel, in units of a tile
+    float4 radtex_rest_tile;
+    float4 radtex_world_range;
+    float4 radtex_plane_range;
+    float4 radtex_things_range;
+    float4 radtex_distances_range;
+    float4 radtex_world_levels;  // texels along a side, last level, log2 of level 0's width²
+    float4 radtex_plane_levels;
+    float4 radtex_things_levels;
+    float4 radtex_distances_size;  // texels along a side, and the mean distance
+    float4 radtex_plane_place;   // its normal and height, from the middle
+    float4 radtex_plane_eye;     // where its picture was taken from, and how high above the plane that is
+    float4 radtex_lamp_place[8];  // from the middle, and width²
+    float4 radtex_lamp_light[8];  // rgb: irradiance at the middle
+};
+
+cbuffer RadtexMaterial RADTEX_BUFFER(1) {
+    float4 radtex_material[16];  // by N.V: the falloff, and the sine by which lobes bend towards the normal
+    float4 radtex_lobes[32];     // by N.V: weight, and log2 of the width²; the first lobe's, then the second one's
+};
+#endif
+
+float2 radtex_turned(float2 place) {
+#ifdef RADTEX_TOP_DOWN
+    place.y = 1.0 - place.y;
+#endif
+    return place;
+}
+
+float4 radtex_looked_up(Texture2D image, float2 place, float level) {
+    return image.SampleLevel(RADTEX_SAMPLER, radtex_turned(place), level);
+}
+@in wgsl
+
+override RADTEX_MIRRORS: bool = false;  // any of the materials has lobes
+override RADTEX_TINT: bool = false;     // the bake has this layer; and so on
+override RADTEX_NORMAL: bool = false;
+override RADTEX_WIDTH: bool = false;
+override RADTEX_ALPHA: bool = false;
+override RADTEX_PLANE: bool = false;
+override RADTEX_THINGS: bool = false;   // and their distances
+override RADTEX_LAMPS: i32 = 0;         // how many, 0 to 8
+override RADTEX_OWN_CELLS: i32 = 14;    // cells along the sides of buckets
+override RADTEX_REST_CELLS: i32 = 8;
+override RADTEX_STEPS: i32 = 1;         // fetches of distances, 0 to 2
+override RADTEX_OWN_TAPS: i32 = 3;      // cells of a bucket that are blended, 3 or 4
+override RADTEX_REST_TAPS: i32 = 3;
+override RADTEX_SECOND_LOBE: i32 = 1;   // 1: it is looked up, 0: materials have one lobe in place of two
+
+struct RadtexBake {
+    middle: vec4f,        // xyz: from where the surroundings are seen
+    colour_range: vec4f,  // part of width and height, scale, offset
+    irradiance_range: vec4f,
+    tint_range: vec4f,
+    normal_range: vec4f,
+    width_range: vec4f,
+    alpha_range: vec4f,
+    own_range: vec4f,     // the size of a tile in place of the part
+    rest_range: vec4f,
+    own_tile: vec4f,      // size of a tile without its padding, and half a texel, in units of a tile
+    rest_tile: vec4f,
+    world_range: vec4f,
+    plane_range: vec4f,
+    things_range: vec4f,
+    distances_range: vec4f,
+    world_levels: vec4f,  // texels along a side, last level, log2 of level 0's width²
+    plane_levels: vec4f,
+    things_levels: vec4f,
+    distances_size: vec4f,  // texels along a side, and the mean distance
+    plane_place: vec4f,   // its normal and height, from the middle
+    plane_eye: vec4f,     // where its picture was taken from, and how high above the plane that is
+    lamp_place: array<vec4f, 8>,  // from the middle, and width²
+    lamp_light: array<vec4f, 8>,  // rgb: irradiance at the middle
+}
+
+struct RadtexMaterial {
+    curves: array<vec4f, 16>,  // by N.V: the falloff, and the sine by which lobes bend towards the normal
+    lobes: array<vec4f, 32>,   // by N.V: weight, and log2 of the width²; the first lobe's, then the second one's
+}
+
+@group(1) @binding(0) var<uniform> radtex: RadtexBake;
+@group(1) @binding(1) var<uniform> radtex_of: RadtexMaterial;
+@group(1) @binding(2) var radtex_filtering: sampler;
+@group(1) @binding(3) var radtex_colour_map: texture_2d<f32>;
+@group(1) @binding(4) var radtex_irradiance_map: texture_2d<f32>;
+@group(1) @binding(5) var radtex_tint_map: texture_2d<f32>;
+@group(1) @binding(6) var radtex_normal_map: texture_2d<f32>;
+@group(1) @binding(7) var radtex_width_map: texture_2d<f32>;
+@group(1) @binding(8) var radtex_alpha_map: texture_2d<f32>;
+@group(1) @binding(9) var radtex_own_map: texture_2d<f32>;
+@group(1) @binding(10) var radtex_rest_map: texture_2d<f32>;
+@group(1) @binding(11) var radtex_world_map: texture_2d<f32>;
+@group(1) @binding(12) var radtex_plane_map: texture_2d<f32>;
+@group(1) @binding(13) var radtex_things_map: texture_2d<f32>;
+@group(1) @binding(14) var radtex_distances_map: texture_2d<f32>;
+@in godot
+
+// What is fetched from a texture that holds sRGB.
+vec4 radtex_decoded(vec4 texel) {
+#ifdef RADTEX_SRGB
+    vec3 curved = pow((texel.rgb + 0.055) / 1.055, vec3(2.4));
+    return vec4(mix(curved, texel.rgb / 12.92, lessThan(texel.rgb, vec3(0.04045))), texel.a);
+#else
+    return texel;
+#endif
+}
+@end
+
+// A plain map's value.
+vec4 radtex_map(sampler2D image, vec4 range, vec2 uv) {
+@in glsl
+#ifdef RADTEX_NO_DERIVATIVES
+    return textureLod(image, uv * range.xy, 0.0) * range.z + range.w;
+#else
+    return texture(image, uv * range.xy) * range.z + range.w;
+#endif
+@in hlsl
+#ifdef RADTEX_NO_DERIVATIVES
+    return radtex_looked_up(image, uv * range.xy, 0.0) * range.z + range.w;
+#else
+    return image.Sample(RADTEX_SAMPLER, radtex_turned(uv * range.xy)) * range.z + range.w;
+#endif
+@in wgsl
+    return textureSampleLevel(image, radtex_filtering, uv * range.xy, 0.0) * range.z + range.w;
+@in godot
+    return texture(image, uv * range.xy) * range.z + range.w;
+@end
+}
+
+// The same of a map of colours.
+vec3 radtex_colours(sampler2D image, vec4 range, vec2 uv) {
+@in godot
+    return radtex_decoded(texture(image, uv * range.xy)).rgb * range.z + range.w;
+@else
+    return radtex_map(image, range, uv).rgb;
+@end
+}
+
+// How much a fragment hides of what lies behind it.
+float radtex_alpha(vec2 uv) {
+#ifdef RADTEX_ALPHA
+    return radtex_map(radtex_alpha_map, radtex_alpha_range, uv).r;
+#else
+    return 1.0;
+#endif
+}
+
+// Where a direction, of any length, lies on the octahedron's square: 0 to 1.
+vec2 radtex_square(vec3 direction) {
+    vec3 d = direction * (1.0 / max(abs(direction.x) + abs(direction.y) + abs(direction.z), 1e-30));
+    vec2 folded = (1.0 - abs(d.yx)) * vec2(d.x < 0.0 ? -1.0 : 1.0, d.y < 0.0 ? -1.0 : 1.0);
+    return (d.z < 0.0 ? folded : d.xy) * 0.5 + 0.5;
+}
+
+// Cells around a place in a bucket, and their weights.
+struct RadtexCells {
+    vec2 a, b, c, d;
+    vec4 weight;
+};
+
+// A cell beyond an edge is the one that lies there on the sphere: the same edge's, mirrored at its middle.
+vec2 radtex_folded(vec2 cell, float last) {
+    vec2 inside = clamp(cell, vec2(0.0, 0.0), vec2(last, last));
+    return vec2(cell.y != inside.y ? last - inside.x : inside.x, cell.x != inside.x ? last - inside.y : inside.y);
+}
+
+// The four of n x n cells around a place on the octahedron's square.
+RadtexCells radtex_four_cells(vec2 place, float n) {
+    vec2 position = place * n - 0.5, low = floor(position), f = position - low;
+    RadtexCells cells;
+    cells.a = radtex_folded(low, n - 1.0);
+    cells.b = radtex_folded(low + vec2(1.0, 0.0), n - 1.0);
+    cells.c = radtex_folded(low + vec2(0.0, 1.0), n - 1.0);
+    cells.d = radtex_folded(low + 1.0, n - 1.0);
+    cells.weight = vec4((1.0 - f.x) * (1.0 - f.y), f.x * (1.0 - f.y), (1.0 - f.x) * f.y, f.x * f.y);
+    return cells;
+}
+
+// Three of them: the square between four centres is two triangles, whose diagonals run as the octahedron's edges do.
+RadtexCells radtex_three_cells(vec2 place, float n) {
+    vec2 position = place * n - 0.5, low = floor(position), f = position - low;
+    bool flipped = (place.x - 0.5) * (place.y - 0.5) < 0.0;
+    f.x = flipped ? 1.0 - f.x : f.x;
+    bool upper = f.x + f.y > 1.0;
+    vec2 corner = upper ? vec2(1.0, 1.0) : vec2(0.0, 0.0), g = upper ? 1.0 - f.yx : f;
+    RadtexCells cells;
+    cells.a = radtex_folded(low + vec2(flipped ? 1.0 - corner.x : corner.x, corner.y), n - 1.0);
+    cells.b = radtex_folded(low + vec2(flipped ? 0.0 : 1.0, 0.0), n - 1.0);
+    cells.c = radtex_folded(low + vec2(flipped ? 1.0 : 0.0, 1.0), n - 1.0);
+    cells.d = cells.a;
+    cells.weight = vec4(1.0 - g.x - g.y, g, 0.0);
+    return cells;
+}
+
+// A place in a tile: `tile` as radtex_rest_tile.
+vec2 radtex_inside(vec4 tile, vec2 uv) {
+    return clamp(uv * tile.xy, tile.zw, tile.xy - tile.zw);
+}
+
+vec4 radtex_three_taps(sampler2D image, RadtexCells cells, vec2 inside, vec2 size) {
+    return textureLod(image, (cells.a + inside) * size, 0.0) * cells.weight.x
+        + textureLod(image, (cells.b + inside) * size, 0.0) * cells.weight.y
+        + textureLod(image, (cells.c + inside) * size, 0.0) * cells.weight.z;
+}
+
+vec4 radtex_four_taps(sampler2D image, RadtexCells cells, vec2 inside, vec2 size) {
+    return radtex_three_taps(image, cells, inside, size)
+        + textureLod(image, (cells.d + inside) * size, 0.0) * cells.weight.w;
+}
+
+// What lobes and other paths, in coarse cells, do not tell, in the direction that lies at a place on the square.
+vec3 radtex_rest(sampler2D image, vec4 range, vec4 tile, float n, vec2 uv, vec2 place) {
+    vec4 found;
+#if RADTEX_REST_TAPS == 4
+    found = radtex_four_taps(image, radtex_four_cells(place, n), radtex_inside(tile, uv), range.xy);
+#else
+    found = radtex_three_taps(image, radtex_three_cells(place, n), radtex_inside(tile, uv), range.xy);
+#endif
+    return found.rgb * range.z + range.w;
+}
+
+#if defined(RADTEX_MIRRORS) || defined(RADTEX_THROUGH)
+// The same as radtex_square on a picture of so many texels a side, whose outermost texels' centres lie on its edge.
+vec2 radtex_on_edges(vec2 place, float size) {
+    return place + (0.5 - place) / size;
+}
+
+// The texel of a picture around the direction d, blurred by a width² whose log2 is `spread`. Between levels it is mixed
+// by the width, not by its logarithm: so a lobe's tails are nearly right.
+vec4 radtex_blurred(sampler2D image, vec4 levels, vec3 d, float spread) {
+    float level = clamp(0.5 * (spread - levels.z), 0.0, levels.y);
+    vec2 place = radtex_on_edges(radtex_square(d), levels.x * exp2(-level));
+    return textureLod(image, place, floor(level) + exp2(fract(level)) - 1.0);
+}
+
+// A picture of what is near, premultiplied by its alpha.
+vec4 radtex_picture(sampler2D image, vec4 range, vec4 levels, vec3 d, float spread) {
+    vec4 found = radtex_blurred(image, levels, d, spread);
+@in godot
+    found = radtex_decoded(found);
+@end
+    return vec4(found.rgb * range.z + range.w, found.a);
+}
+
+#if RADTEX_LAMPS > 0
+// What a lobe of that width² shows of a lamp.
+vec3 radtex_lamp(vec4 place, vec4 light, vec3 from, vec3 ray, float width) {
+    vec3 towards = place.xyz - from;
+    float squared = dot(towards, towards), nearer = dot(place.xyz, place.xyz) / squared;
+    float wide = width + place.w * nearer;
+    float off = wide + 1.0 - dot(ray, towards) * inversesqrt(squared);
+    return light.rgb * (nearer * (1.0 + 0.5 * wide) * wide / (6.2831853 * off * off));
+}
+#endif
+
+vec3 radtex_lamps(vec3 from, vec3 ray, float width) {
+    vec3 light = vec3(0.0, 0.0, 0.0);
+#if RADTEX_LAMPS > 0
+    light += radtex_lamp(radtex_lamp_place[0], radtex_lamp_light[0], from, ray, width);
+#endif
+#if RADTEX_LAMPS > 1
+    light += radtex_lamp(radtex_lamp_place[1], radtex_lamp_light[1], from, ray, width);
+#endif
+#if RADTEX_LAMPS > 2
+    light += radtex_lamp(radtex_lamp_place[2], radtex_lamp_light[2], from, ray, width);
+#endif
+#if RADTEX_LAMPS > 3
+    light += radtex_lamp(radtex_lamp_place[3], radtex_lamp_light[3], from, ray, width);
+#endif
+#if RADTEX_LAMPS > 4
+    light += radtex_lamp(radtex_lamp_place[4], radtex_lamp_light[4], from, ray, width);
+#endif
+#if RADTEX_LAMPS > 5
+    light += radtex_lamp(radtex_lamp_place[5], radtex_lamp_light[5], from, ray, width);
+#endif
+#if RADTEX_LAMPS > 6
+    light += radtex_lamp(radtex_lamp_place[6], radtex_lamp_light[6], from, ray, width);
+#endif
+#if RADTEX_LAMPS > 7
+    light += radtex_lamp(radtex_lamp_place[7], radtex_lamp_light[7], from, ray, width);
+#endif
+    return light;
+}
+
+#ifdef RADTEX_PLANE
+// What a lobe shows of the plane, and by how much that hides what lies behind: the mean direction of the share of the
+// lobe that is below the horizon meets the plane, where its picture's eye sees the lobe wider or narrower.
+vec4 radtex_below(vec3 from, vec3 ray, float spread) {
+    vec3 N = radtex_plane_place.xyz;
+    float sine = dot(ray, N), squared = sine * sine + 2.0 * exp2(spread), root = inversesqrt(squared);
+    float deep = clamp(squared * root, 1e-4, 0.999);
+    vec3 level = ray - sine * N;
+    level *= inversesqrt(max(dot(level, level), 1e-12));
+    float far = max(dot(from, N) - radtex_plane_place.w, 0.0) / deep;
+    vec3 met = from + far * (sqrt(1.0 - deep * deep) * level - deep * N) - radtex_plane_eye.xyz;
+    float nearness = inversesqrt(max(dot(met, met), 1e-12)), along = far * nearness;
+    float wider = clamp(along * along * radtex_plane_eye.w * nearness / deep, 0.00390625, 16.0);
+    vec4 found = radtex_picture(radtex_plane_map, radtex_plane_range, radtex_plane_levels, met, spread + log2(wider));
+    return found * (0.5 - 0.5 * sine * root);
+}
+#endif
+
+#ifdef RADTEX_THINGS
+// How far along the unit ray is a sphere of that radius about the middle; `along` is from . ray, `squared` from . from.
+float radtex_reach(float along, float squared, float radius) {
+    return sqrt(max(along * along - squared + radius * radius, 0.0)) - along;
+}
+
+// The distance from the middle of what lies in a direction.
+float radtex_distance(vec3 d) {
+    vec2 place = radtex_on_edges(radtex_square(d), radtex_distances_size.x);
+    vec4 range = radtex_distances_range;
+    return 1.0 / max(textureLod(radtex_distances_map, place, 0.0).r * range.z + range.w, 1e-9);
+}
+#endif
+
+// Where a ray meets things, from the middle, and log2 of how much a lobe's width² is larger as seen from there.
+vec4 radtex_met(vec3 from, vec3 ray) {
+#ifdef RADTEX_THINGS
+    float along = dot(from, ray), squared = dot(from, from), reach;
+    vec3 met = ray;
+#if RADTEX_STEPS < 2  // begin on a sphere
+    reach = radtex_reach(along, squared, radtex_distances_size.y);
+    met = from + reach * ray;
+#endif
+#if RADTEX_STEPS > 0
+    reach = radtex_reach(along, squared, radtex_distance(met));
+    met = from + reach * ray;
+#endif
+#if RADTEX_STEPS > 1
+    reach = radtex_reach(along, squared, radtex_distance(met));
+    met = from + reach * ray;
+#endif
+    return vec4(met, 2.0 * log2(clamp(reach * inversesqrt(max(dot(met, met), 1e-12)), 0.0625, 4.0)));
+#else
+    return vec4(ray, 0.0);
+#endif
+}
+
+// What a lobe about the unit ray, of a width² whose log2 is `spread`, shows of the surroundings from a place that is
+// given from the middle; `met` is radtex_met of both.
+vec3 radtex_shown(vec3 from, vec3 ray, vec4 met, float spread) {
+    vec3 light = radtex_blurred(radtex_world_map, radtex_world_levels, ray, spread).rgb * radtex_world_range.z
+        + radtex_world_range.w;
+    vec4 before;
+#ifdef RADTEX_PLANE
+    before = radtex_below(from, ray, spread);
+    light = light * (1.0 - before.a) + before.rgb;
+#endif
+#ifdef RADTEX_THINGS
+    before = radtex_picture(radtex_things_map, radtex_things_range, radtex_things_levels, met.xyz, spread + met.w);
+    light = light * (1.0 - before.a) + before.rgb;
+#endif
+    return light + radtex_lamps(from, ray, exp2(spread));
+}
+#endif
+
+#ifdef RADTEX_MIRRORS
+// What the object shows of itself in the direction that lies at a place on the square, and how much it leaves free.
+vec4 radtex_own(vec2 uv, vec2 place) {
+    float n = float(RADTEX_OWN_CELLS);
+    vec2 inside = radtex_inside(radtex_own_tile, uv), size = radtex_own_range.xy;
+    RadtexCells cells;
+    vec4 own;
+@in godot
+#if RADTEX_OWN_TAPS == 4
+    cells = radtex_four_cells(place, n);
+#else
+    cells = radtex_three_cells(place, n);
+#endif
+    own = radtex_decoded(textureLod(radtex_own_map, (cells.a + inside) * size, 0.0)) * cells.weight.x
+        + radtex_decoded(textureLod(radtex_own_map, (cells.b + inside) * size, 0.0)) * cells.weight.y
+        + radtex_decoded(textureLod(radtex_own_map, (cells.c + inside) * size, 0.0)) * cells.weight.z;
+#if RADTEX_OWN_TAPS == 4
+    own += radtex_decoded(textureLod(radtex_own_map, (cells.d + inside) * size, 0.0)) * cells.weight.w;
+#endif
+@else
+#if RADTEX_OWN_TAPS == 4
+    cells = radtex_four_cells(place, n);
+    own = radtex_four_taps(radtex_own_map, cells, inside, size);
+#else
+    cells = radtex_three_cells(place, n);
+    own = radtex_three_taps(radtex_own_map, cells, inside, size);
+#endif
+@end
+    return vec4(own.rgb * radtex_own_range.z + radtex_own_range.w, own.a);
+}
+
+// How much the object leaves free of its surroundings, as a lobe of that width² sees it; `kept` is as cells see it.
+float radtex_free(float kept, float width) {
+    float side = clamp(2.0 * kept - 1.0, -1.0, 1.0);
+    float sharper = side * max(2.56 / float(RADTEX_OWN_CELLS) * inversesqrt(width + 0.0016), 1.0);
+    return 0.5 + 0.5 * sharper * inversesqrt(1.0 - side * side + sharper * sharper);
+}
+
+// What a lobe (weight, and log2 of its width²) shows; `own` is what the object shows of itself.
+vec3 radtex_mirrored(vec3 from, vec3 ray, vec4 met, vec4 own, vec4 lobe) {
+    return lobe.rgb * mix(own.rgb, radtex_shown(from, ray, met, lobe.a), radtex_free(own.a, exp2(lobe.a)));
+}
+#endif
+
+@in glsl godot
+// Radiance towards the viewer, in the unit direction V, from a place at `position` whose unit normal is `face`, of the
+// material with that number.
+vec3 radtex_layered_of(int material, vec2 uv, vec3 position, vec3 face, vec3 V) {
+@else
+// Radiance towards the viewer, in the unit direction V, from a place at `position` whose unit normal is `face`.
+vec3 radtex_layered(vec2 uv, vec3 position, vec3 face, vec3 V) {
+    const int material = 0;
+@end
+    vec3 N = face;
+#ifdef RADTEX_NORMAL
+    vec3 shading = radtex_map(radtex_normal_map, radtex_normal_range, uv).xyz;
+    shading *= inversesqrt(max(dot(shading, shading), 1e-12));
+    N = dot(shading, N) > 0.3 ? shading : N;
+#endif
+    float opacity = radtex_alpha(uv), cosine = dot(N, V), curve = clamp(cosine * 16.0 - 0.5, 0.0, 15.0);
+    float below = min(floor(curve), 14.0), above = curve - below;
+    int low = 16 * material + int(below);
+    vec4 facts = mix(radtex_material[low], radtex_material[low + 1], above);
+    vec3 light = radtex_colours(radtex_colour_map, radtex_colour_range, uv)
+        * radtex_map(radtex_irradiance_map, radtex_irradiance_range, uv).rgb * facts.rgb;
+    vec3 axis = 2.0 * cosine * N - V;
+    vec2 place = radtex_square(axis);
+#ifdef RADTEX_MIRRORS
+    vec3 from = position - radtex_middle.xyz;
+    vec4 own = radtex_own(uv, place);
+    vec3 towards = N - dot(N, axis) * axis;
+    towards *= inversesqrt(max(dot(towards, towards), 1e-12));
+    vec3 ray = axis * sqrt(1.0 - facts.a * facts.a) + towards * facts.a;
+    low += 16 * material;
+    vec4 met = radtex_met(from, ray), lobe = mix(radtex_lobes[low], radtex_lobes[low + 1], above);
+    float wider = 0.0;
+#ifdef RADTEX_WIDTH
+    wider = radtex_map(radtex_width_map, radtex_width_range, uv).r;
+#endif
+    lobe.a += wider;
+    vec3 mirrored = radtex_mirrored(from, ray, met, own, lobe);
+#if RADTEX_SECOND_LOBE > 0
+    lobe = mix(radtex_lobes[low + 16], radtex_lobes[low + 17], above);
+    lobe.a += wider;
+    mirrored += radtex_mirrored(from, ray, met, own, lobe);
+#endif
+#ifdef RADTEX_TINT
+    light += mirrored * radtex_colours(radtex_tint_map, radtex_tint_range, uv);
+#else
+    light += mirrored * opacity;
+#endif
+#endif
+    vec3 rest = radtex_rest(radtex_rest_map, radtex_rest_range, radtex_rest_tile, float(RADTEX_REST_CELLS), uv, place);
+    light += max(opacity * rest, -0.5 * light);
+    return max(light, vec3(0.0, 0.0, 0.0));
+}
+@in glsl godot
+
+// The same of the only material that the uniforms tell of, or the first.
+vec3 radtex_layered(vec2 uv, vec3 position, vec3 N, vec3 V) {
+    return radtex_layered_of(0, uv, position, N, V);
+}
+@in hlsl
+
+#endif
+@end

@@ -1,0 +1,191 @@
+// SPDX-FileCopyrightText: 2026 RadTex authors
+// SPDX-License-Identifier: MIT
+@for glsl hlsl wgsl godot
+@name wgsl radtex_through_colour_range radtex_exit.colour_range
+@name wgsl radtex_through_rest_range radtex_exit.rest_range
+@name wgsl radtex_through_rest_tile radtex_exit.rest_tile
+//
+@in glsl
+// Look up a radiance texture in the layered layout, of an object that light comes through: GLSL 330 and later, GLSL ES
+// 300 (WebGL 2) and later. Include it behind radtex_layered.glsl, before which RADTEX_THROUGH is defined, then
+@in hlsl
+// Look up a radiance texture in the layered layout, of an object that light comes through: HLSL, shader model 5 and
+// later. radtex_layered.hlsl, which says what is defined before, must lie beside it. Define RADTEX_THROUGH, include
+// this file, then
+@in wgsl
+// Look up a radiance texture in the layered layout, of an object that light comes through: WGSL. Put it behind
+// radtex_layered.wgsl, then
+@in godot
+// Look up a radiance texture in the layered layout, of an object that light comes through: Godot 4.6's shading
+// language, every renderer. Include it behind radtex_layered.gdshaderinc, before which RADTEX_THROUGH is defined, then
+@end
+//
+//     vec3 light = radtex_layered_through(uv, position, N, V, T, B);
+//
+@in wgsl
+// where N, T and B are the unit normal, tangent and bitangent of the baked UV map in the world space of the bake.
+
+override RADTEX_EXIT_CELLS: i32 = 16;    // cells along the sides of buckets
+override RADTEX_THROUGH_CELLS: i32 = 8;
+// 16: the ways around are taken one by one, 32 fetches; 4: as the textures' filter blends those of texels, 8 fetches,
+// which is far off where they part.
+override RADTEX_EXIT_TAPS: i32 = 16;
+@else
+// where N, T and B are the unit normal, tangent and bitangent of the baked UV map in the world space of the bake. Also
+// defined before are RADTEX_EXIT_CELLS and RADTEX_THROUGH_CELLS, cells along the sides of buckets; and RADTEX_EXIT_TAPS
+// (16, 4; default 16): the ways around are taken one by one, 32 fetches; or as the textures' filter blends those of
+// texels, 8 fetches, which is far off where they part.
+@end
+@in hlsl
+
+#ifndef RADTEX_LAYERED_THROUGH_HLSL
+#define RADTEX_LAYERED_THROUGH_HLSL
+
+#include "radtex_layered.hlsl"
+@end
+@in glsl hlsl godot
+
+#ifndef RADTEX_EXIT_TAPS
+#define RADTEX_EXIT_TAPS 16
+#endif
+@end
+@in glsl
+
+#ifndef RADTEX_DECLARED
+@in godot
+
+@end
+@in glsl godot
+uniform sampler2D radtex_exit_direction_map, radtex_exit_place_map, radtex_through_colour_map, radtex_through_rest_map;
+uniform vec4 radtex_exit_direction_range, radtex_exit_place_range, radtex_exit_tile;
+uniform vec4 radtex_through_colour_range, radtex_through_rest_range, radtex_through_rest_tile;
+@end
+@in glsl
+#endif
+@in hlsl
+
+#ifndef RADTEX_DECLARED
+Texture2D radtex_exit_direction_map RADTEX_TEXTURE(12);
+Texture2D radtex_exit_place_map RADTEX_TEXTURE(13);
+Texture2D radtex_through_colour_map RADTEX_TEXTURE(14);
+Texture2D radtex_through_rest_map RADTEX_TEXTURE(15);
+
+cbuffer RadtexThrough RADTEX_BUFFER(2) {
+    float4 radtex_exit_direction_range;
+    float4 radtex_exit_place_range;
+    float4 radtex_exit_tile;
+    float4 radtex_through_colour_range;
+    float4 radtex_through_rest_range;
+    float4 radtex_through_rest_tile;
+};
+#endif
+@in wgsl
+
+struct RadtexThrough {
+    direction_range: vec4f,
+    place_range: vec4f,
+    tile: vec4f,
+    colour_range: vec4f,
+    rest_range: vec4f,
+    rest_tile: vec4f,
+}
+
+@group(1) @binding(15) var<uniform> radtex_exit: RadtexThrough;
+@group(1) @binding(16) var radtex_exit_direction_map: texture_2d<f32>;
+@group(1) @binding(17) var radtex_exit_place_map: texture_2d<f32>;
+@group(1) @binding(18) var radtex_through_colour_map: texture_2d<f32>;
+@group(1) @binding(19) var radtex_through_rest_map: texture_2d<f32>;
+@end
+
+// A way, at a place in texels' units of tiles: luminance * direction, luminance.
+vec4 radtex_way(vec2 at) {
+    vec4 range = radtex_exit_direction_range;
+    return textureLod(radtex_exit_direction_map, at * range.xy, 0.0) * range.z + range.w;
+}
+
+// And its line: luminance * place, luminance * width².
+vec4 radtex_path(vec2 at) {
+    vec4 range = radtex_exit_place_range;
+    return textureLod(radtex_exit_place_map, at * range.xy, 0.0) * range.z + range.w;
+}
+
+// The k-th of the four corners of a square.
+vec2 radtex_corner(int k) {
+    return vec2(float(k & 1), float((k >> 1) & 1));
+}
+
+// Where to look for a way's k-th tap: within the tile of a cell beside `low`, as the filter blends texels around
+// `inside`, or at one of these.
+vec2 radtex_tap(int k, vec2 low, vec2 inside) {
+    vec2 cell = low + radtex_corner(k);
+#if RADTEX_EXIT_TAPS == 16
+    vec2 half_texel = radtex_exit_tile.zw, corner = floor(inside / half_texel * 0.5 - 0.5) * 2.0 + 1.0;
+    vec2 texel = (corner + 2.0 * radtex_corner(k >> 2)) * half_texel;
+    return cell + clamp(texel, half_texel, radtex_exit_tile.xy - half_texel);
+#else
+    return cell + inside;
+#endif
+}
+
+// The weight of a tap; f and g are the places between four cells and between four texels.
+float radtex_tap_weight(int k, vec2 f, vec2 g) {
+    vec2 cell = mix(1.0 - f, f, radtex_corner(k));
+#if RADTEX_EXIT_TAPS == 16
+    cell *= mix(1.0 - g, g, radtex_corner(k >> 2));
+#endif
+    return cell.x * cell.y;
+}
+
+// What is seen of the surroundings. Of the ways around, those are followed that agree with the strongest one.
+vec3 radtex_through(vec2 uv, vec3 from, vec3 N, vec3 V, vec3 T, vec3 B) {
+    float n = float(RADTEX_EXIT_CELLS);
+    vec3 I = vec3(dot(V, T), dot(V, B), max(dot(V, N), 0.0));
+    I *= inversesqrt(max(dot(I, I), 1e-18));
+    vec2 disc = I.xy * inversesqrt(1.0 + I.z);  // equal area; and from there to the square
+    vec2 square = disc * (length(disc) / max(max(abs(disc.x), abs(disc.y)), 1e-9));
+    vec2 place = (clamp(square, vec2(-1.0, -1.0), vec2(1.0, 1.0)) * 0.5 + 0.5) * n - 0.5;
+    place = clamp(place, vec2(0.0, 0.0), vec2(n - 1.0, n - 1.0));
+    vec2 low = min(floor(place), vec2(n - 2.0, n - 2.0)), f = place - low;
+    vec2 inside = radtex_inside(radtex_exit_tile, uv), g = fract(inside / radtex_exit_tile.zw * 0.5 - 0.5);
+    vec4 way = vec4(0.0, 0.0, 0.0, 0.0), path = way;
+@in wgsl
+    var ways: array<vec4f, 16>;
+@else
+    vec4 ways[RADTEX_EXIT_TAPS];
+@end
+    vec3 chief = vec3(0.0, 0.0, 0.0);
+    float total = 0.0;
+    [unroll] for (int k = 0; k < RADTEX_EXIT_TAPS; k++) {
+        ways[k] = radtex_tap_weight(k, f, g) * radtex_way(radtex_tap(k, low, inside));
+        chief = dot(ways[k].xyz, ways[k].xyz) > dot(chief, chief) ? ways[k].xyz : chief;
+        total += ways[k].w;
+    }
+    chief *= inversesqrt(max(dot(chief, chief), 1e-24));
+    [unroll] for (int k = 0; k < RADTEX_EXIT_TAPS; k++) {
+        float cosine = dot(ways[k].xyz, chief) * inversesqrt(max(dot(ways[k].xyz, ways[k].xyz), 1e-24));
+        float kept = clamp((cosine - 0.8) / 0.15, 0.0, 1.0);
+        way += kept * ways[k];
+        if (kept > 0.0) path += kept * radtex_tap_weight(k, f, g) * radtex_path(radtex_tap(k, low, inside));
+    }
+    float brighter = total / max(way.w, 1e-9);  // as bright as all of them
+    way *= brighter;
+    path *= brighter;
+    float luminance = max(way.w, 1e-6), even = length(way.xyz);
+    float width = max(path.w / luminance + max(1.0 - even / luminance - 0.03, 0.0), 1e-12);  // more if they disagree
+    vec3 away = way.xyz / max(even, 1e-9), moved = path.xyz / luminance;
+    vec3 ray = away.x * T + away.y * B + away.z * N, exit = from + moved.x * T + moved.y * B + moved.z * N;
+    return way.w * radtex_colours(radtex_through_colour_map, radtex_through_colour_range, uv)
+        * radtex_shown(exit, ray, radtex_met(exit, ray), log2(width));
+}
+
+// Radiance towards the viewer, in the unit direction V, from a fragment at `position`.
+vec3 radtex_layered_through(vec2 uv, vec3 position, vec3 N, vec3 V, vec3 T, vec3 B) {
+    vec3 through = radtex_through(uv, position - radtex_middle.xyz, N, V, T, B)
+        + radtex_rest(radtex_through_rest_map, radtex_through_rest_range, radtex_through_rest_tile,
+            float(RADTEX_THROUGH_CELLS), uv, radtex_square(-V));
+    return max(radtex_layered(uv, position, N, V) + radtex_alpha(uv) * through, vec3(0.0, 0.0, 0.0));
+}
+@in hlsl
+
+#endif
+@end

@@ -1,0 +1,380 @@
+// SPDX-FileCopyrightText: 2026 RadTex authors
+// SPDX-License-Identifier: MIT
+@for glsl hlsl wgsl godot
+@name wgsl RADTEX_BITS texture_2d_array<u32>
+@name wgsl RADTEX_SHADOW bits: texture_2d_array<u32>, here: RadtexShadow
+@name wgsl RADTEX_HERE bits, here
+@name wgsl RADTEX_POINT bits, here, &cells
+//
+@in glsl
+// Look up shadows in one bit a cell: GLSL 330 and later, GLSL ES 300 (WebGL 2) and later. Include radtex.glsl, then
+// this, then
+@in hlsl
+// Look up shadows in one bit a cell: HLSL, shader model 5 and later. Include radtex.hlsl, then this, then
+@in wgsl
+// Look up shadows in one bit a cell: WGSL. Put it behind radtex.wgsl, then
+@in godot
+// Look up shadows in one bit a cell: Godot 4.6's shading language, every renderer. Include radtex.gdshaderinc, then this,
+// then
+@end
+//
+//     RadtexShadow here = radtex_shadow(bits, ivec2(W, H), uv);
+@in godot
+//     vec3 L = radtex_incidence(to_light, normal, tangent, bitangent_sign);
+@else
+//     vec3 L = radtex_incidence(to_light, normal, tangent.xyz, tangent.w);
+@end
+@in wgsl
+//     light = colour * max(L.z, 0.0) * radtex_visible(bits, here, n, L);                      // a light without a size
+//     light = colour * radtex_sun(bits, here, n, frame, to_sun, angle, 32);                   // with one: cosine included
+//     light = colour * radtex_rectangle(bits, here, n, frame, position, corner, side, up, 32);
+@else
+//     light = colour * max(L.z, 0.0) * radtex_visible(here, n, L);                        // a light without a size
+//     light = colour * radtex_sun(here, n, frame, to_sun, angle, 32);                     // with one: cosine included
+//     light = colour * radtex_rectangle(here, n, frame, position, corner, side, up, 32);
+@end
+//
+@in glsl
+// `bits` is <name>.shadow.exr, bottom row first (v = 0 is row 0), never filtered: up to 8 x 8 cells an RG32UI texture
+// of W x H pixels. With more cells, `#define RADTEX_SHADOW_LAYERS` makes it an array, layer k holding the words 2 k and
+// 2 k + 1. Bit q * n + p, the least significant first, is 1 where the direction of the cell (p, q) is blocked. `frame`
+// comes from radtex_frame: its columns are T, Bt and N, in the space of all other vectors.
+
+#ifdef GL_ES
+precision highp usampler2D;
+precision highp usampler2DArray;
+#endif
+
+#ifdef RADTEX_SHADOW_LAYERS
+#define RADTEX_BITS usampler2DArray
+#else
+#define RADTEX_BITS usampler2D
+#endif
+
+@in hlsl
+// `bits` is <name>.shadow.exr, bottom row first (v = 0 is row 0; else `#define RADTEX_TOP_DOWN`), never filtered: up
+// to 8 x 8 cells an R32G32_UINT texture of W x H pixels. With more cells, `#define RADTEX_SHADOW_LAYERS` makes it an
+// array, layer k holding the words 2 k and 2 k + 1. Bit q * n + p, the least significant first, is 1 where the direction
+// of the cell (p, q) is blocked. `frame` comes from radtex_frame: its rows are T, Bt and N, in the space of all other
+// vectors.
+
+#ifndef RADTEX_SHADOW_HLSL
+#define RADTEX_SHADOW_HLSL
+
+#ifdef RADTEX_SHADOW_LAYERS
+#define RADTEX_BITS Texture2DArray<uint2>
+#else
+#define RADTEX_BITS Texture2D<uint2>
+#endif
+
+@in wgsl
+// `bits` is <name>.shadow.exr, bottom row first (v = 0 is row 0): an rg32uint texture of W x H pixels, viewed as an
+// array (dimension "2d-array"), whose layer k holds the words 2 k and 2 k + 1; 8 x 8 cells need one. Bit q * n + p, the
+// least significant first, is 1 where the direction of the cell (p, q) is blocked. `frame` comes from radtex_frame: its
+// columns are T, Bt and N, in the space of all other vectors.
+
+// A place among texels: the nearest, and how far the place is from its middle, -1/2 to 1/2.
+struct RadtexShadow {
+    beyond: vec2f,
+    nearest: vec2i,
+    texels: vec2i,
+}
+
+@in godot
+// Godot has no textures of 32-bit whole numbers: `bits` holds the bytes of the exported KTX2, which is R32UI or RG32UI, as
+// RGBA8, one pixel a word: W or 2 W pixels across, first row at the bottom, without mip levels, its uniform
+// `filter_nearest` and without source_color. With more than 8 x 8 cells, `#define RADTEX_SHADOW_LAYERS` makes it an array,
+// layer k holding the words 2 k and 2 k + 1. Bit q * n + p, the least significant first, is 1 where the direction of the
+// cell (p, q) is blocked. `frame` comes from radtex_frame: its columns are T, Bt and N, in the space of all other vectors.
+
+#ifdef RADTEX_SHADOW_LAYERS
+#define RADTEX_BITS sampler2DArray
+#else
+#define RADTEX_BITS sampler2D
+#endif
+
+@end
+@in glsl hlsl godot
+// The nine texels around a place, and how far that is from the middle one's middle, -1/2 to 1/2.
+struct RadtexShadow {
+    vec2 beyond;
+#ifdef RADTEX_SHADOW_LAYERS
+    ivec2 nearest, texels;
+#else
+    uvec2 words[9];
+#endif
+};
+
+#ifdef RADTEX_SHADOW_LAYERS
+#define RADTEX_SHADOW RADTEX_BITS bits, RadtexShadow here
+#define RADTEX_HERE bits, here
+#else
+#define RADTEX_SHADOW RadtexShadow here
+#define RADTEX_HERE here
+#endif
+
+@end
+@in godot
+// A word of the pixel that holds its bytes.
+uint radtex_word(vec4 pixel) {
+    uvec4 bytes = uvec4(pixel * 255.0 + 0.5);
+    return bytes.r | (bytes.g << 8u) | (bytes.b << 16u) | (bytes.a << 24u);
+}
+
+@end
+// The texel t, of nine, around the nearest.
+ivec2 radtex_shadow_texel(ivec2 nearest, ivec2 texels, int t) {
+    return clamp(nearest + ivec2(int(uint(t) % 3u), int(uint(t) / 3u)) - 1, ivec2(0, 0), texels - 1);
+}
+
+#ifdef RADTEX_SHADOW_LAYERS
+// The word of a texel that has the bit k.
+uint radtex_bits(RADTEX_BITS bits, ivec2 texels, ivec2 texel, int k) {
+@in godot
+    return radtex_word(texelFetch(bits, ivec3(2 * texel.x + ((k >> 5) & 1), texel.y, k >> 6), 0));
+@in hlsl
+    uint2 words = bits.Load(int4(radtex_row(texel, texels), k >> 6, 0));
+@in wgsl
+    let words = textureLoad(bits, texel, k >> 6, 0).xy;
+@in glsl
+    uvec2 words = texelFetch(bits, ivec3(texel, k >> 6), 0).xy;
+@end
+@in glsl hlsl wgsl
+    return (k & 32) == 0 ? words.x : words.y;
+@end
+}
+#else
+// The two words of a texel.
+uvec2 radtex_bits(RADTEX_BITS bits, ivec2 texels, ivec2 texel) {
+@in glsl
+    return texelFetch(bits, texel, 0).xy;
+@in hlsl
+    return bits.Load(int3(radtex_row(texel, texels), 0));
+@in godot
+    int across = textureSize(bits, 0).x / texels.x;
+    ivec2 pixel = ivec2(texel.x * across, texel.y);
+    uint second = across > 1 ? radtex_word(texelFetch(bits, pixel + ivec2(1, 0), 0)) : 0u;
+    return uvec2(radtex_word(texelFetch(bits, pixel, 0)), second);
+@end
+}
+#endif
+
+// What every lookup at `uv` reads, for however many lights. With layers, `bits` also is each lookup's first argument.
+RadtexShadow radtex_shadow(RADTEX_BITS bits, ivec2 texels, vec2 uv) {
+    vec2 position = uv * vec2(texels), corner = floor(position);
+    RadtexShadow here;
+    here.beyond = position - corner - 0.5;
+#ifdef RADTEX_SHADOW_LAYERS
+    here.nearest = ivec2(corner);
+    here.texels = texels;
+#else
+    [unroll] for (int t = 0; t < 9; t++) {
+        here.words[t] = radtex_bits(bits, texels, radtex_shadow_texel(ivec2(corner), texels, t));
+    }
+#endif
+    return here;
+}
+
+// 1 where the cell k of texel t, of nine, is open, 0 where it is blocked.
+float radtex_open(RADTEX_SHADOW, int t, int k) {
+#ifdef RADTEX_SHADOW_LAYERS
+    uint word = radtex_bits(bits, here.texels, radtex_shadow_texel(here.nearest, here.texels, t), k);
+#else
+    uvec2 words = here.words[t];
+    uint word = (k & 32) == 0 ? words.x : words.y;
+#endif
+    return ((word >> uint(k & 31)) & 1u) == 0u ? 1.0 : 0.0;
+}
+
+// The same between the four texels around the place.
+float radtex_open_here(RADTEX_SHADOW, int k) {
+    int x = here.beyond.x < 0.0 ? -1 : 1, y = here.beyond.y < 0.0 ? -3 : 3;
+    vec2 f = abs(here.beyond);
+    return mix(mix(radtex_open(RADTEX_HERE, 4, k), radtex_open(RADTEX_HERE, 4 + x, k), f.x),
+        mix(radtex_open(RADTEX_HERE, 4 + y, k), radtex_open(RADTEX_HERE, 4 + x + y, k), f.x), f.y);
+}
+
+// Where a direction of the frame lies among the middles of n x n cells.
+vec2 radtex_between_cells(int n, vec3 I) {
+    float inner = float(n) - 0.5;
+    return clamp((radtex_bucket(I) + 1.0) * 0.5 * float(n), vec2(0.5, 0.5), vec2(inner, inner)) - 0.5;
+}
+
+// How much of a light in the unit direction I of the frame is seen, 0 to 1: texels and cells are blended.
+float radtex_visible(RADTEX_SHADOW, int n, vec3 I) {
+    vec2 position = radtex_between_cells(n, I);
+    ivec2 low = ivec2(position), high = min(low + 1, ivec2(n - 1, n - 1));
+    vec2 f = position - vec2(low);
+    float below = mix(radtex_open_here(RADTEX_HERE, low.y * n + low.x),
+        radtex_open_here(RADTEX_HERE, low.y * n + high.x), f.x);
+    float above = mix(radtex_open_here(RADTEX_HERE, high.y * n + low.x),
+        radtex_open_here(RADTEX_HERE, high.y * n + high.x), f.x);
+    return mix(below, above, f.y);
+}
+
+@in wgsl
+// How open each of up to 8 x 8 cells is in the mean of nine texels, read once for all points of a light.
+fn radtex_blend(bits: texture_2d_array<u32>, here: RadtexShadow, cells: ptr<function, array<f32, 64>>) {
+    let across = vec3f(0.5 - here.beyond.x, 1.0, 0.5 + here.beyond.x) * 0.5;
+    let up = vec3f(0.5 - here.beyond.y, 1.0, 0.5 + here.beyond.y) * 0.5;
+    for (var t = 0; t < 9; t++) {
+        let words = textureLoad(bits, radtex_shadow_texel(here.nearest, here.texels, t), 0, 0).xy;
+        let weight = across[t % 3] * up[t / 3];
+        for (var k = 0; k < 64; k++) {
+            let word = select(words.y, words.x, k < 32);
+            (*cells)[k] += weight * f32(1u - ((word >> u32(k & 31)) & 1u));
+        }
+    }
+}
+
+// What each of many points of a light sees. Up to 8 x 8 cells: between four, and sharpened, for a shadow's edge lies
+// where so wide a blend is about a half. More are fine enough for the light's own size to blend them.
+fn radtex_visible_point(bits: texture_2d_array<u32>, here: RadtexShadow, cells: ptr<function, array<f32, 64>>, n: i32,
+                        I: vec3f) -> f32 {
+    if n > 8 {
+        let cell = clamp(vec2i((radtex_bucket(I) + 1.0) * 0.5 * f32(n)), vec2i(0), vec2i(n - 1));
+        return radtex_open_here(bits, here, cell.y * n + cell.x);
+    }
+    let position = radtex_between_cells(n, I);
+    let low = vec2i(position);
+    let high = min(low + 1, vec2i(n - 1));
+    let f = position - vec2f(low);
+    let below = mix((*cells)[low.y * n + low.x], (*cells)[low.y * n + high.x], f.x);
+    let above = mix((*cells)[high.y * n + low.x], (*cells)[high.y * n + high.x], f.x);
+    return saturate(2.0 * mix(below, above, f.y) - 0.5);
+}
+@else
+// What each of many points of a light looks up, and how.
+#ifdef RADTEX_SHADOW_LAYERS
+#define RADTEX_POINTS RADTEX_SHADOW
+#define RADTEX_POINT RADTEX_HERE
+
+// The cell that holds I: more than 8 x 8 cells are fine enough for a light's own size to blend them.
+float radtex_visible_point(RADTEX_POINTS, int n, vec3 I) {
+    ivec2 cell = ivec2((radtex_bucket(I) + 1.0) * 0.5 * float(n));
+    cell = clamp(cell, ivec2(0, 0), ivec2(n - 1, n - 1));
+    return radtex_open_here(RADTEX_HERE, cell.y * n + cell.x);
+}
+#else
+#define RADTEX_POINTS float radtex_openness[64]
+#define RADTEX_POINT radtex_openness
+
+// How open each cell is in the mean of nine texels, read once for all points.
+void radtex_blend(RadtexShadow here, out float radtex_openness[64]) {
+@end
+@in hlsl
+    float3 across = float3(0.5 - here.beyond.x, 1.0, 0.5 + here.beyond.x) * 0.5;
+    float3 up = float3(0.5 - here.beyond.y, 1.0, 0.5 + here.beyond.y) * 0.5;
+    for (int k = 0; k < 64; k++) {
+        float open = 0.0;
+        [unroll] for (int y = 0; y < 3; y++) {
+            [unroll] for (int x = 0; x < 3; x++) open += across[x] * up[y] * radtex_open(here, 3 * y + x, k);
+        }
+        radtex_openness[k] = open;
+    }
+}
+@in glsl godot
+    for (int k = 0; k < 64; k++) radtex_openness[k] = 0.0;
+    for (int t = 0; t < 9; t++) {
+        float x = t % 3 == 1 ? 1.0 : 0.5 + (t % 3 == 0 ? -here.beyond.x : here.beyond.x);
+        float y = t / 3 == 1 ? 1.0 : 0.5 + (t / 3 == 0 ? -here.beyond.y : here.beyond.y);
+        uvec2 clear = ~here.words[t];
+        for (int k = 0; k < 32; k++) {
+            radtex_openness[k] += 0.25 * x * y * float((clear.x >> uint(k)) & 1u);
+            radtex_openness[k + 32] += 0.25 * x * y * float((clear.y >> uint(k)) & 1u);
+        }
+    }
+}
+@end
+@in glsl hlsl godot
+
+// Between four cells, and sharpened: a shadow's edge lies where so wide a blend is about a half.
+float radtex_visible_point(RADTEX_POINTS, int n, vec3 I) {
+    vec2 position = radtex_between_cells(n, I);
+    ivec2 low = ivec2(position), high = min(low + 1, ivec2(n - 1, n - 1));
+    vec2 f = position - vec2(low);
+    float below = mix(radtex_openness[low.y * n + low.x], radtex_openness[low.y * n + high.x], f.x);
+    float above = mix(radtex_openness[high.y * n + low.x], radtex_openness[high.y * n + high.x], f.x);
+    return clamp(2.0 * mix(below, above, f.y) - 0.5, 0.0, 1.0);
+}
+#endif
+@end
+
+@in hlsl
+// The frame (T, Bt, N) as rows: what radtex_incidence brings vectors into.
+@else
+// The frame (T, Bt, N) as columns: what radtex_incidence brings vectors into.
+@end
+mat3 radtex_frame(vec3 normal, vec3 tangent, float bitangent_sign) {
+    vec3 x = radtex_incidence(vec3(1.0, 0.0, 0.0), normal, tangent, bitangent_sign);
+    vec3 y = radtex_incidence(vec3(0.0, 1.0, 0.0), normal, tangent, bitangent_sign);
+    vec3 z = radtex_incidence(vec3(0.0, 0.0, 1.0), normal, tangent, bitangent_sign);
+@in hlsl
+    return transpose(float3x3(x, y, z));
+}
+
+float3 radtex_in_frame(float3 direction, float3x3 frame) {
+    return mul(frame, direction);
+}
+@else
+    return transpose(mat3(x, y, z));
+}
+
+vec3 radtex_in_frame(vec3 direction, mat3 frame) {
+    return direction * frame;
+}
+@end
+
+// A sun's irradiance over that which it has at a right angle, from `count` points, even on its disc, `angle` wide in
+// radians.
+float radtex_sun(RADTEX_SHADOW, int n, mat3 frame, vec3 to_sun, float angle, int count) {
+@in wgsl
+    var cells: array<f32, 64>;
+    if n <= 8 { radtex_blend(bits, here, &cells); }
+@else
+#ifndef RADTEX_SHADOW_LAYERS
+    float radtex_openness[64];
+    radtex_blend(here, radtex_openness);
+#endif
+@end
+    vec3 axis = normalize(to_sun);
+    vec3 across = normalize(cross(abs(axis.z) < 0.9 ? vec3(0.0, 0.0, 1.0) : vec3(1.0, 0.0, 0.0), axis));
+    vec3 up = cross(axis, across);
+    float rim = cos(0.5 * angle), sum = 0.0;
+    for (int k = 0; k < count; k++) {
+        float share = count > 1 ? (float(k) + 0.5) / float(count) : 0.0, turn = float(k) * 2.39996323;  // a sunflower
+        float cosine = 1.0 - share * (1.0 - rim), sine = sqrt(max(1.0 - cosine * cosine, 0.0));
+        vec3 L = radtex_in_frame(cosine * axis + sine * (cos(turn) * across + sin(turn) * up), frame);
+        if (L.z > 0.0) sum += L.z * radtex_visible_point(RADTEX_POINT, n, L);
+    }
+    return sum / float(count) * 2.0 / (1.0 + rim);
+}
+
+// A rectangle's irradiance over its radiance: it lies at `corner`, its sides are `side` and `up`, and it shines along
+// cross(side, up). Divide by the area for a lamp of given power. Points are spread by Roberts's sequence.
+float radtex_rectangle(RADTEX_SHADOW, int n, mat3 frame, vec3 position, vec3 corner, vec3 side, vec3 up, int count) {
+@in wgsl
+    var cells: array<f32, 64>;
+    if n <= 8 { radtex_blend(bits, here, &cells); }
+@else
+#ifndef RADTEX_SHADOW_LAYERS
+    float radtex_openness[64];
+    radtex_blend(here, radtex_openness);
+#endif
+@end
+    vec3 face = cross(side, up);  // as long as the area
+    float sum = 0.0;
+    for (int k = 0; k < count; k++) {
+        vec2 place = fract(0.5 + float(k + 1) * vec2(0.754877666, 0.569840291));
+        vec3 way = corner + place.x * side + place.y * up - position;
+        float squared = max(dot(way, way), 1e-30);
+        vec3 L = radtex_in_frame(way * inversesqrt(squared), frame);
+        float weight = max(L.z, 0.0) * max(-dot(way, face), 0.0) / (squared * sqrt(squared));
+        if (weight > 0.0) sum += weight * radtex_visible_point(RADTEX_POINT, n, L);
+    }
+    return sum / float(count);
+}
+@in hlsl
+
+#endif
+@end
