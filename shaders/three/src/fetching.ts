@@ -2,12 +2,16 @@
 // SPDX-License-Identifier: MIT
 // Files from the server.
 
-import { fileName } from "./manifest.js";
 import { Problem } from "./problem.js";
 
 /** The address of a file that lies beside the manifest. */
 export function fileUrl(file: string, manifest: URL): URL {
   return new URL(encodeURIComponent(file), manifest);
+}
+
+/** The last part of an address, as a person would name the file. */
+export function fileName(url: URL): string {
+  return decodeURIComponent(url.pathname.split("/").pop() ?? "") || url.href;
 }
 
 /** A file's bytes. Throws a Problem where it cannot be had. */

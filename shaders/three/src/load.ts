@@ -5,9 +5,9 @@
 import { type Color, Group, type Material, type Mesh, type Object3D } from "three";
 
 import { type Device, thisDevice } from "./device.js";
-import { fileUrl } from "./fetching.js";
+import { fileName, fileUrl } from "./fetching.js";
 import { entriesOf, loadTextures, type TextureOptions } from "./load_textures.js";
-import { checkManifest, fileName, type Manifest, readAnyManifest, readManifest } from "./manifest.js";
+import { checkManifest, type Manifest, readAnyManifest, readManifest } from "./manifest.js";
 import { bakeBelow, loadMeshFile, type MeshFile } from "./mesh_file.js";
 import type { Bake } from "./parts.js";
 import { Problem } from "./problem.js";

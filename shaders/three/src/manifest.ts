@@ -3,7 +3,7 @@
 // The export's manifest, <name>.export.json: which file is which. docs/format.md describes it.
 
 import { isPlainStem, problemOf } from "./checks.js";
-import { fetchBytes } from "./fetching.js";
+import { fetchBytes, fileName } from "./fetching.js";
 import { isKind, type Kind } from "./kinds.js";
 import { Problem } from "./problem.js";
 
@@ -164,11 +164,6 @@ export function checkManifest(manifest: Manifest | undefined, url: URL): Manifes
   const problem = problemOf(manifest);
   if (problem) throw damaged(url, problem);
   return manifest;
-}
-
-/** The last part of an address, as a person would name the file. */
-export function fileName(url: URL): string {
-  return decodeURIComponent(url.pathname.split("/").pop() ?? "") || url.href;
 }
 
 function damaged(url: URL, reason: string): Problem {

@@ -5,8 +5,8 @@
 import { LoadingManager, type Material, Mesh, type MeshBasicMaterial, type Object3D, type Texture } from "three";
 import { type GLTF, GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 
-import { fetchBytes } from "./fetching.js";
-import { fileName, type Manifest } from "./manifest.js";
+import { fetchBytes, fileName } from "./fetching.js";
+import type { Manifest } from "./manifest.js";
 import { Problem } from "./problem.js";
 import type { BakedMesh } from "./radtex_object.js";
 
