@@ -41,7 +41,7 @@ const int RADTEX_QUADRILINEAR = 2;  // four texels, each bilinear inside its buc
 // The vector towards the viewer in the surface frame (T, Bt, N). Vectors in any one space, of any length but zero.
 vec3 radtex_incidence(vec3 to_viewer, vec3 normal, vec3 tangent, float bitangent_sign) {
     vec3 N = normalize(normal);
-    vec3 T = tangent - N * dot(N, tangent);
+    vec3 T = tangent - N * dot(N, tangent);  // a root less, and less exact along N
     bool degenerate = dot(T, T) <= 1e-8 * dot(tangent, tangent);
     if (degenerate) T = cross(abs(N.z) < 0.9 ? vec3(0.0, 0.0, 1.0) : vec3(1.0, 0.0, 0.0), N);
     T = normalize(T);

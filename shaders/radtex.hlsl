@@ -59,8 +59,9 @@ float2 radtex_upwards(float2 uv) {
 // The vector towards the viewer in the surface frame (T, Bt, N). Vectors in any one space, of any length but zero.
 float3 radtex_incidence(float3 to_viewer, float3 normal, float3 tangent, float bitangent_sign) {
     float3 N = normalize(normal);
-    float3 T = tangent - N * dot(N, tangent);
-    bool degenerate = dot(T, T) <= 1e-8 * dot(tangent, tangent);
+    float3 T = tangent / max(length(tangent), 1e-30);
+    T -= N * dot(N, T);
+    bool degenerate = dot(T, T) < 1e-8;
     if (degenerate) T = cross(abs(N.z) < 0.9 ? float3(0.0, 0.0, 1.0) : float3(1.0, 0.0, 0.0), N);
     T = normalize(T);
     float3 Bt = sign(bitangent_sign) * cross(N, T);

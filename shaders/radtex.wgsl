@@ -24,8 +24,9 @@ const RADTEX_QUADRILINEAR: i32 = 2;  // four texels, each bilinear inside its bu
 // The vector towards the viewer in the surface frame (T, Bt, N). Vectors in any one space, of any length but zero.
 fn radtex_incidence(to_viewer: vec3f, normal: vec3f, tangent: vec3f, bitangent_sign: f32) -> vec3f {
     let N = normalize(normal);
-    var T = tangent - N * dot(N, tangent);
-    let degenerate = dot(T, T) <= 1e-8 * dot(tangent, tangent);
+    var T = tangent / max(length(tangent), 1e-30);
+    T -= N * dot(N, T);
+    let degenerate = dot(T, T) < 1e-8;
     if degenerate { T = cross(select(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 0.0, 1.0), abs(N.z) < 0.9), N); }
     T = normalize(T);
     let Bt = sign(bitangent_sign) * cross(N, T);

@@ -129,8 +129,14 @@ float2 radtex_upwards(float2 uv) {
 // The vector towards the viewer in the surface frame (T, Bt, N). Vectors in any one space, of any length but zero.
 vec3 radtex_incidence(vec3 to_viewer, vec3 normal, vec3 tangent, float bitangent_sign) {
     vec3 N = normalize(normal);
-    vec3 T = tangent - N * dot(N, tangent);
+@in glsl godot
+    vec3 T = tangent - N * dot(N, tangent);  // a root less, and less exact along N
     bool degenerate = dot(T, T) <= 1e-8 * dot(tangent, tangent);
+@else
+    vec3 T = tangent / max(length(tangent), 1e-30);
+    T -= N * dot(N, T);
+    bool degenerate = dot(T, T) < 1e-8;
+@end
     if (degenerate) T = cross(abs(N.z) < 0.9 ? vec3(0.0, 0.0, 1.0) : vec3(1.0, 0.0, 0.0), N);
     T = normalize(T);
     vec3 Bt = sign(bitangent_sign) * cross(N, T);
