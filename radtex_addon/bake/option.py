@@ -42,19 +42,20 @@ class Option:
 
     * `name`: of the field of `BakeSpec` with its `default`, or of an option that only the request has.
     * On the command line: `flag`, `help` and `metavar`; `takes`: an enum, or int, where the default does not
-      tell; `many`: may be given several times; `given`: the default there, if another; `otherwise`: the
-      default in words.
-    * In the panel: `title`, `tooltip`, and the `fold` it is in, if not its section's; `shown`: the property's
-      name in .blend files and scripts, if another; `items` of a menu; `value`: the default there, if another;
-      `blender`: more arguments of Blender's property; `hooks`: the names of its callbacks that are in
-      ui/settings/bake_settings.py; `preset`: whether presets store it.
+      tell; `many`: may be given several times; `cli_default`: the default there, if another; `default_words`:
+      the default in words, behind the help.
+    * In the panel: `title`, `tooltip`, and the `fold` it is in, if not its section's; `panel_name`: the
+      property's name in .blend files and scripts, if another; `items` of a menu; `panel_default`: the default
+      there, if another; `blender`: more arguments of Blender's property; `hooks`: the names of its callbacks,
+      which are in ui/settings/bake_settings.py; `preset`: whether presets store it.
     * `limits`: the least and the most of a whole number; `word`: its name in messages about its value.
     * `called`: its name in remedies; `label`: the panel's, if not `title`.
-    * `applies`: whether a bake of that kind and form can have it, else the panel leaves it out. `refusal`:
-      why not, in a message where {kind} and {value} are filled in; `instead`: what to bake then. `no_farm`:
-      why a farm cannot have it.
-    * `resumes`: an unfinished bake may go on with another value; `of_atlas`: another value makes other
-      pixels. `added`: bakes from before there was the option hold it as if its default had been chosen.
+    * `applies`: whether a bake of that kind and form can have it; the panel leaves it out otherwise.
+      `refusal`: why not, where {kind} and {value} are filled in; `instead`: what to bake then. `no_farm`: why
+      a farm cannot have it.
+    * `resumes`: an unfinished bake may be resumed with another value. `of_atlas`: another value makes other
+      pixels, so that fingerprints have it. `added`: it came after 0.1.0; fingerprints leave its default out,
+      so that bakes made before do not count as changed.
     * `mark`: for an option that is on or off, what sidecars tell of it.
     """
 
@@ -65,14 +66,14 @@ class Option:
     metavar: str | None = None
     takes: type | None = None
     many: bool = False
-    given: Any = ...
-    otherwise: str = ""
+    cli_default: Any = ...
+    default_words: str = ""
     title: str = ""
     tooltip: str = ""
     fold: Fold | None = None
-    shown: str = ""
+    panel_name: str = ""
     items: tuple[Any, ...] = ()
-    value: Any = ...
+    panel_default: Any = ...
     blender: Mapping[str, Any] = field(default_factory=dict)
     hooks: Mapping[str, str] = field(default_factory=dict)
     preset: bool = False
@@ -97,18 +98,18 @@ class Option:
     @property
     def setting(self) -> str:
         """The name of its property in the panel."""
-        return self.shown or self.name
+        return self.panel_name or self.name
 
     @property
     def setting_default(self) -> Any:
         """The default in the panel: text where None is the field's."""
-        known = self.default if self.value is ... else self.value
+        known = self.default if self.panel_default is ... else self.panel_default
         return "" if known is None else str(known) if isinstance(known, StrEnum) else known
 
     @property
     def flag_default(self) -> Any:
         """The default on the command line."""
-        return self.default if self.given is ... else self.given
+        return self.default if self.cli_default is ... else self.cli_default
 
 
 class Section(NamedTuple):

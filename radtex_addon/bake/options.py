@@ -105,18 +105,18 @@ LIGHT = Section(Fold.LIGHT, (
          "times the paths",
          tooltip="From where the object will be looked at: fixes how its gloss comes out when lamps move",
          applies=lambda kind, _: kind.views, refusal="{kind} is not baked for a view, such as {value}"),
-    _row("content", flag="--content", metavar="NAME", title="Content", items=CONTENTS, value="inside",
+    _row("content", flag="--content", metavar="NAME", title="Content", items=CONTENTS, panel_default="inside",
          called="content",
          help="what a proxy shows: the collection of that name, or * for all that is behind it, as through "
-         "a window", otherwise="what lies inside it",
+         "a window", default_words="what lies inside it",
          tooltip="What the hull shows in its place; the hull itself is never seen",
          applies=lambda kind, _: kind.content, refusal="{kind} shows the object itself",
          instead="bake a proxy"),
     _row("content_collection", title="Collection",
          tooltip="The collection whose objects the hull shows", applies=lambda kind, _: kind.content),
-    _row("ao_distance", flag="--ao-distance", metavar="D", title="Distance", value=0.0,
+    _row("ao_distance", flag="--ao-distance", metavar="D", title="Distance", panel_default=0.0,
          blender=_LENGTH | {"soft_max": 10.0}, called=Setting.AO_DISTANCE,
-         help="of ao, what is farther than D, in scene units, counts as open", otherwise="nothing does",
+         help="of ao, what is farther than D, in scene units, counts as open", default_words="nothing does",
          tooltip="What is farther away than this counts as open. With 0 there is no limit",
          applies=lambda kind, _: kind.ao_distance),
     _row("alone", flag="--alone", title="Alone", called="choice to bake it alone",
@@ -131,27 +131,27 @@ LIGHT = Section(Fold.LIGHT, (
 ))
 
 LAYOUT = Section(Fold.LIGHT, (
-    _row("layout", flag="--layout", takes=Layout, given=None, shown="atlas_layout", title="Storage",
-         items=LAYOUTS_OR_AUTOMATIC, value="auto", hooks={"update": "suit_bucket"}, preset=True,
-         called=Setting.LAYOUT,
+    _row("layout", flag="--layout", takes=Layout, cli_default=None, panel_name="atlas_layout",
+         title="Storage", items=LAYOUTS_OR_AUTOMATIC, panel_default="auto", hooks={"update": "suit_bucket"},
+         preset=True, called=Setting.LAYOUT,
          help="layered: what surrounds the object, in layers that are met from each place, what it shows "
          "of itself, and what is left: the best picture in the fewest bytes; radiance by the portal only; "
          "buckets: every texel keeps a picture of its own",
-         otherwise="layered; buckets for other kinds, for an object with hair or a volume, and for what "
+         default_words="layered; buckets for other kinds, for an object with hair or a volume, and for what "
          "layered refuses: a line says why; what is resumed, accumulated or refreshed keeps its layout",
          tooltip="Decides how sharp reflections are, and how large the files",
          applies=lambda kind, _: kind.form is None),
 ))
 
 QUALITY = Section(Fold.MAIN, (
-    _row("atlas_size", title="Size By", fold=Fold.SURFACE, items=ATLAS_SIZES, value="texels", preset=True,
-         tooltip="What the size of the texture follows from"),
-    _row("texels", flag="--texels", takes=int, metavar="N", given=None, limits=(1, MAX_IMAGE_SIDE),
+    _row("atlas_size", title="Size By", fold=Fold.SURFACE, items=ATLAS_SIZES, panel_default="texels",
+         preset=True, tooltip="What the size of the texture follows from"),
+    _row("texels", flag="--texels", takes=int, metavar="N", cli_default=None, limits=(1, MAX_IMAGE_SIDE),
          title="Resolution", blender={"soft_min": 16, "soft_max": 1024}, preset=True, called=Setting.TEXELS,
-         help="texels along the atlas's longer side", otherwise=str(BakeOptions.texels),
+         help="texels along the atlas's longer side", default_words=str(BakeOptions.texels),
          tooltip="Texels along the texture's longer side: more show finer detail on the surface. Twice as "
          "many take four times as long"),
-    _row("density", flag="--density", metavar="D", title="Density", value=64.0,
+    _row("density", flag="--density", metavar="D", title="Density", panel_default=64.0,
          blender={"min": 1e-3, "max": 1e12, "soft_min": 1.0, "soft_max": 4096.0}, preset=True,
          called=Setting.DENSITY,
          help="texels per metre of surface, such as 64/m, 64/cm or 1.5/mm, in place of --texels: the atlas "
@@ -161,10 +161,10 @@ QUALITY = Section(Fold.MAIN, (
          "are as large as that needs, up to 4096 texels a side. The scene's Unit Scale says what a metre is"),
     # The panel's 14 cells are those of the automatic layout (`job.layout_choice`).
     _row("bucket", flag="--bucket", takes=int, metavar="N", limits=(2, 256), word="cells",
-         title="Angular Detail", fold=Fold.SAMPLING, value=14, blender={"soft_max": 32},
+         title="Angular Detail", fold=Fold.SAMPLING, panel_default=14, blender={"soft_max": 32},
          hooks={"update": "keep_bucket"}, preset=True, called=Setting.BUCKET,
          help="cells along a bucket's side: each texel tells N x N directions apart",
-         otherwise=f"{Layout.BUCKETS.cells} in layout buckets; layered chooses them itself",
+         default_words=f"{Layout.BUCKETS.cells} in layout buckets; layered chooses them itself",
          tooltip="Directions that each texel tells apart, along each side of its bucket: more give sharper "
          "reflections and highlights, and twice as many take four times as long. Layered chooses it "
          "itself; a number other than 14 makes Automatic choose Buckets",
@@ -179,7 +179,7 @@ QUALITY = Section(Fold.MAIN, (
 
 SURFACE = Section(Fold.SURFACE, (
     _row("uv_layer", flag="--uv", metavar="NAME", title="UV Map", called=Setting.UV,
-         help="bake on this UV layer of the object", otherwise="as --unwrap says",
+         help="bake on this UV layer of the object", default_words="as --unwrap says",
          tooltip="The UV map to bake on: inside the unit square and without overlaps, or places on the "
          "surface would show each other's light. Left empty, Unwrap decides"),
     _row("unwrap", flag="--unwrap", takes=Unwrap, title="Unwrap", items=UNWRAPS, called=Setting.UNWRAP,
@@ -200,23 +200,23 @@ OBJECTS = Section(Fold.SURFACE, (
          help="bake all meshes of the collection and of those in it, by name; what cannot be baked, such "
          "as what is hidden from render, is left out with a line that says why; may be given several "
          "times, and beside --object"),
-    _row("one_atlas", shown="together", title="One Atlas", value=False,
+    _row("one_atlas", panel_name="together", title="One Atlas", panel_default=False,
          tooltip="Bake all chosen objects into one texture, so that a game draws them at once"),
-    _row("together", flag="--together", metavar="NAME", shown="atlas_name", title="Name", value="Atlas",
-         called=Setting.TOGETHER, label="One Atlas",
+    _row("together", flag="--together", metavar="NAME", panel_name="atlas_name", title="Name",
+         panel_default="Atlas", called=Setting.TOGETHER, label="One Atlas",
          help="bake all objects into one atlas, which is called NAME: DIR/NAME.KIND.exr",
-         otherwise="each has its own",
+         default_words="each has its own",
          tooltip="Name of the shared texture, and of its files"),
     _row("split", flag="--split", takes=Split, word="way to split", title="Split By", items=SPLITS,
-         value="none", called=Setting.SPLIT,
+         panel_default="none", called=Setting.SPLIT,
          help="material: an atlas for each material, DIR/NAME.MATERIAL.KIND.exr; udim: one for each tile "
-         "of the UV layer --uv, DIR/NAME.1001.KIND.exr and so on", otherwise="one for the whole surface",
+         "of the UV layer --uv, DIR/NAME.1001.KIND.exr and so on", default_words="one for the whole surface",
          tooltip="One texture for the whole object, or one for each material or UDIM tile"),
     _row("part", flag="--part", metavar="PART", title="Only", called=Setting.PART,
-         help="of --split, bake this material or tile alone", otherwise="all of them",
+         help="of --split, bake this material or tile alone", default_words="all of them",
          tooltip="The one material, or the tile's number, to bake. Left empty, all are baked"),
     _row("in_scene", flag="--in-scene", metavar="NAME",
-         help="the scene of the file", otherwise="the one that it opens with"),
+         help="the scene of the file", default_words="the one that it opens with"),
 ))
 
 SOURCE = Section(Fold.SURFACE, (
@@ -226,10 +226,10 @@ SOURCE = Section(Fold.SURFACE, (
          tooltip="A high-poly object in the same place, whose light the low-poly one shall show. The "
          "low-poly one is not seen while it is baked. Left empty, objects show their own light",
          applies=lambda kind, _: kind.source),
-    _row("extrusion", flag="--extrusion", metavar="D", title="Extrusion", value=0.0,
+    _row("extrusion", flag="--extrusion", metavar="D", title="Extrusion", panel_default=0.0,
          blender=_LENGTH | {"soft_max": 1.0}, called=Setting.EXTRUSION,
          help="how far from --object, outwards and inwards, --from is looked for, in scene units",
-         otherwise="3 %% of the size",
+         default_words="3 %% of the size",
          tooltip="How far from the simple surface, outwards and inwards, the detailed one is looked for. 0 "
          "is 3 % of the object's size",
          applies=lambda kind, _: kind.source),
@@ -242,23 +242,23 @@ SOURCE = Section(Fold.SURFACE, (
 ))
 
 VARIANTS_OF_LIGHT = Section(Fold.LIGHT, (
-    _row("variants", title="Variations", items=VARIANTS, value="none", called=Setting.LIGHTS,
+    _row("variants", title="Variations", items=VARIANTS, panel_default="none", called=Setting.LIGHTS,
          tooltip="Several bakes of each object at once"),
     _row("frame", limits=_FRAMES, resumes=True),  # another fact tells the frame in use
-    _row("frames", flag="--frames", metavar="LIST", given=(), title="Frames", value="1",
+    _row("frames", flag="--frames", metavar="LIST", cli_default=(), title="Frames", panel_default="1",
          called=Setting.FRAMES,
          help="bake the scene at each of these frames, such as 1,5,10-20, into DIR/NAME-FRAME.KIND.exr, "
-         "the frame in four digits", otherwise="the frame that the file opens with",
+         "the frame in four digits", default_words="the frame that the file opens with",
          tooltip="The frames to bake, such as 1,5,10-20"),
     _row("unwrap_at", flag="--unwrap-at", metavar="FRAME", limits=_FRAMES,
          help="unwrap the object as it is at that frame, so that atlases of all frames fit one mesh",
-         otherwise="the first of --frames"),
+         default_words="the first of --frames"),
     _row("lit", flag="--lights", metavar="LIST", many=True,
          help="bake with these lamps, or collections of lamps, alone lit, such as Key,Fill, into "
          "DIR/NAME-Key+Fill.KIND.exr; the name world is the light of no lamp. each: an atlas for every "
          "lamp and one for world, which add up to the whole; all: the whole; may be given several times"),
-    _row("layers", flag="--layer", takes=Layer, word="layer", metavar="LAYER", many=True, given=None,
-         title="Layers", items=LAYERS, value=set(), called=Setting.LAYER,
+    _row("layers", flag="--layer", takes=Layer, word="layer", metavar="LAYER", many=True, cli_default=None,
+         title="Layers", items=LAYERS, panel_default=set(), called=Setting.LAYER,
          help="also write this part of the radiance as an atlas, DIR/NAME.KIND.LAYER.exr: "
          f"{', '.join(Layer)}; base and rest add up to the whole; may be given several times",
          tooltip="Also save parts of the light, such as reflections, as textures of their own, to mix or "
@@ -276,9 +276,9 @@ HOW = Section(Fold.SAMPLING, (
     _row("sheet", flag="--sheet", metavar="N", limits=(16, MAX_IMAGE_SIDE),
          help="side, in pixels, of the pictures that Cycles renders of an atlas: a frame of a farm is one, "
          "and pictures of another size have other noise"),
-    _row("denoise", flag="--no-denoise", given=True, title="Denoise", value=True,
+    _row("denoise", flag="--no-denoise", cli_default=True, title="Denoise", panel_default=True,
          help="keep cells as they were traced, noise and all",
-         otherwise="buckets of light, and transfers, are denoised by OpenImageDenoise",
+         default_words="buckets of light, and transfers, are denoised by OpenImageDenoise",
          tooltip="Remove the grain by OpenImageDenoise. Turn it off for bakes to which samples are added "
          "later",
          applies=lambda kind, form: kind.light is not Light.OCCLUSION and not form.by_paths),
@@ -290,11 +290,12 @@ HOW = Section(Fold.SAMPLING, (
 ))
 
 FOLDER = Section(Fold.OUTPUT, (
-    _row("out", flag="--out", metavar="DIR", shown="directory", title="Output Folder", value=DEFAULT_FOLDER,
+    _row("out", flag="--out", metavar="DIR", panel_name="directory", title="Output Folder",
+         panel_default=DEFAULT_FOLDER,
          blender={"subtype": "DIR_PATH", "options": {"SKIP_SAVE", "PATH_SUPPORTS_BLEND_RELATIVE"}},
          called=Setting.OUT, label="Folder",
          help="folder for the files, made if need be",
-         otherwise="radtex/NAME beside NAME.blend; without a file, radtex",
+         default_words="radtex/NAME beside NAME.blend; without a file, radtex",
          tooltip="Where the atlas and all that belongs to it are written; // is the .blend file's folder, "
          "{blend_name} its name, so that no two files share a folder"),
     _row("overwrite", flag="--overwrite", default=False, title="Overwrite", fold=Fold.SCRIPTS,
@@ -314,7 +315,7 @@ COURSE = Section(Fold.OUTPUT, (
          of_atlas=False),
     _row("passes", flag="--passes", takes=int, metavar="N",
          help="bake, then fold in as many samples again, with exports and preview after each pass, until "
-         "there are N passes", otherwise="1"),
+         "there are N passes", default_words="1"),
     _row("serve", flag="--serve", takes=int, metavar="PORT",
          help="with --export web: serve the page on this machine, which takes in each pass, until Ctrl-C; "
          "0 is a free port"),
@@ -326,7 +327,7 @@ COURSE = Section(Fold.OUTPUT, (
          of_atlas=False),
     _row("where", flag="--where", metavar="NAME", title="Only Where", hooks={"search": "places"},
          help="accumulate or refresh only faces of the object's vertex group, boolean face attribute or "
-         "material of that name", otherwise="everywhere",
+         "material of that name", default_words="everywhere",
          tooltip="Accumulate or refresh only the faces of this vertex group, boolean face attribute or "
          "material. Left empty, everywhere",
          of_atlas=False),
@@ -343,16 +344,16 @@ COURSE = Section(Fold.OUTPUT, (
 ))
 
 FILES = Section(Fold.OUTPUT, (
-    _row("save_preview", flag="--save-preview", default=False, shown="preview", title="Preview", value=True,
-         called=Setting.SAVE_PREVIEW,
+    _row("save_preview", flag="--save-preview", default=False, panel_name="preview", title="Preview",
+         panel_default=True, called=Setting.SAVE_PREVIEW,
          help="also write DIR/NAME.preview.blend: the scene with the baked object in it",
          tooltip="Also write a .blend in which the baked copy stands in the object's place. Showing the "
          "bake here and exporting it need that"),
     _row("filter", flag="--filter", takes=Filter, default=Filter.QUADRILINEAR,
          help="how the preview blends cells and texels of layout buckets"),
-    _row("half", flag="--float", shown="full_floats", title="32-bit Floats", value=False, preset=True,
-         called=Setting.FLOAT,
-         help="store 32-bit floats", otherwise="half floats",
+    _row("half", flag="--float", panel_name="full_floats", title="32-bit Floats", panel_default=False,
+         preset=True, called=Setting.FLOAT,
+         help="store 32-bit floats", default_words="half floats",
          tooltip="Keep light beyond 65504 and steps that 16 bits are too few for. Hardly ever seen, and "
          "twice as large",
          applies=lambda kind, _: kind.full_floats),
@@ -363,8 +364,8 @@ FILES = Section(Fold.OUTPUT, (
 ))
 
 EXPORTS = Section(Fold.OUTPUT, (
-    _row("exports", flag="--export", many=True, shown="export_targets", title="Export", items=TARGETS,
-         value=set(),
+    _row("exports", flag="--export", many=True, panel_name="export_targets", title="Export", items=TARGETS,
+         panel_default=set(),
          help="also make DIR/NAME.TARGET of the bake, as bake.py export --to TARGET does; may be given "
          "several times, and needs --save-preview",
          tooltip="Folders to make of the bake once it is done: for browsers, engines and viewers"),

@@ -83,14 +83,14 @@ def add_options(group: argparse._ArgumentGroup, rows: Iterable[Option]) -> None:
 
 def _add_option(group: argparse._ArgumentGroup, row: Option) -> None:
     known = row.flag_default
-    told = f"{row.help} (default: {row.otherwise})" if row.otherwise else row.help
+    told = f"{row.help} (default: {row.default_words})" if row.default_words else row.help
     action = "append" if row.many else "store"
     choices = Target if row.name == "exports" else row.choices  # which the table is too far left to know
     if isinstance(known, bool):
         action = "store_false" if known else "store_true"
         group.add_argument(row.flag, dest=row.name, action=action, help=told)
     elif row.takes is int or isinstance(known, int):
-        if not row.otherwise and known is not None:
+        if not row.default_words and known is not None:
             told += f" (default: {known})"
         add_number(group, row.flag, row.name, row.metavar or "N", told, known)
     elif choices is not None:
