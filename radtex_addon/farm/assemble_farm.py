@@ -70,7 +70,6 @@ def assemble_steps(
     yield from check_frames(files, manifest)
     watch = Stopwatch()
     capture = FarmCapture(files, manifest, plan)
-    place.publish_earlier()
     # Cells are more than memory may hold.
     with place.open(replaces) as cells, temporary_folder() as temporary:
         cells.set_facts({_FARM: manifest.job})

@@ -151,8 +151,6 @@ def bake_steps(
     was_finished = place.only_completes(bool(overwrite), resume)
     targets = place.missing_exports(exports) if was_finished else tuple(exports)
     shown = None if was_finished and not place.misses_preview() else preview
-    if not resume:
-        place.publish_earlier()
     watch = Stopwatch()
     with place.open(overwrite, resume, targets) as checkpoint:
         try:

@@ -194,10 +194,13 @@ class BakeFolder:
     ) -> Checkpoint:
         """Open the checkpoint of the bake; it lasts until the `exports` are made, too.
 
-        At its first piece it checks again that it replaces no files that it may not. Raises InputError if the
-        bake to `resume` differs.
+        Without `resume`, an unfinished bake whose files are all written is published first: no half of it is
+        added to or replaced. At its first piece the checkpoint checks again that it replaces no files that it
+        may not. Raises InputError if the bake to `resume` differs, and as `announce`.
         """
         files, spec = self.files, self.spec
+        if not resume:
+            checkpoints.publish_earlier(files.unfinished)
         goes_on = resume and (is_unfinished(files.unfinished) or files.sidecar.exists())
         earlier: str | None = None
 
@@ -230,10 +233,6 @@ class BakeFolder:
         made = BakeOutput.of(told, self.files)
         self._publish(checkpoint, made, earlier_images(told, self.files))
         return made
-
-    def publish_earlier(self) -> None:
-        """If a bake was killed while its files got their final names, move the others, as `announce` does."""
-        checkpoints.publish_earlier(self.files.unfinished)
 
     def announce(self, exports: Collection[Target], blend: str) -> None:
         """Mark the bake as unfinished before it starts, so that resuming a killed run of several includes it.
