@@ -15,7 +15,7 @@ from tests.reference.levels import level_chain
 def split_pages(image: Floats, layout: AtlasLayout, pages: Pages) -> Floats:
     """An atlas (H*n, W*n, C) as pages (layers, height*n, width*n, C).
 
-    The last pages are padded as in `levels.pad`. To split a mip level of a padded atlas, give its own layout
+    The last pages are padded as by `pad`. To split a mip level of a padded atlas, give its own layout
     and `pages.at_level`. The dtype stays. Raises ShapeError if the layout does not fit into the pages.
     """
     stored = pages.stored(layout.bucket)
