@@ -13,7 +13,7 @@ from radtex_addon.core.arrays import Floats
 from radtex_addon.core.hemisphere import square_to_direction
 from radtex_addon.core.octahedron import cell_directions
 from radtex_addon.cycles.portal import Aim
-from radtex_addon.forms.layered.fit.falloffs import fit_falloffs
+from radtex_addon.forms.layered.fit.diffuse import fit_falloffs
 from radtex_addon.forms.layered.fit.fitting import fit_layered
 from radtex_addon.forms.layered.fit.texel_maps import tints
 from radtex_addon.forms.layered.fit.view_dependence import view_dependence

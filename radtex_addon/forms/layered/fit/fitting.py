@@ -26,9 +26,7 @@ from ..lookup.ways import Through
 from ..samples import Capture
 from .bucket_grid import BucketGrid
 from .buckets import fit_buckets
-from .diffuse import facing_of
-from .falloffs import fit_falloffs
-from .irradiance import fit_irradiance
+from .diffuse import facing_of, fit_falloffs, fit_irradiance
 from .known import Known
 from .lobes import Paths
 from .own_light import Surface
