@@ -25,17 +25,15 @@ from ..lookup.lobes import Material
 from ..lookup.ways import Through
 from ..samples import Capture
 from .bucket_grid import BucketGrid
-from .buckets import fit_buckets
+from .buckets import ALL_PARTS, Parts, fit_buckets, free_share
 from .diffuse import facing_of, fit_falloffs, fit_irradiance
 from .known import Known
 from .lobes import Paths
 from .own_light import Surface
-from .parts import ALL_PARTS, Parts
 from .texel_maps import shading_normals, tints
 from .through import fit_through_rest, fit_ways
 from .turned import mirrored_about, octahedral
 from .view_dependence import view_dependence
-from .visibility import free_share
 from .widths import fit_lobes
 
 _STEPS = 5  # of progress
