@@ -15,9 +15,9 @@ from radtex_addon.cycles.portal import Aim
 from radtex_addon.forms.layered.capture.panoramas import panorama_directions
 from radtex_addon.forms.layered.fit.bucket_grid import BucketGrid
 from radtex_addon.forms.layered.fit.buckets import free_share
+from radtex_addon.forms.layered.fit.fitting import fit_lobes
 from radtex_addon.forms.layered.fit.lobes import Paths, fit_materials
 from radtex_addon.forms.layered.fit.residual import fit_rest, mean_brightness
-from radtex_addon.forms.layered.fit.widths import fit_lobes
 from radtex_addon.forms.layered.lookup.environment import (
     Around,
     Impostor,
