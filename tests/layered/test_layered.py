@@ -27,8 +27,7 @@ from radtex_addon.forms.layered.lookup.environment import (
     Plane,
     lamps_of,
 )
-from radtex_addon.forms.layered.lookup.lobes import lobe
-from radtex_addon.forms.layered.lookup.visibility import seen_free
+from radtex_addon.forms.layered.lookup.lobes import lobe, seen_free
 from tests.layered.made_up import flat_plan, places_of
 
 SIDE = 12  # texels of a flat atlas

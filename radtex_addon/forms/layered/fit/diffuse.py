@@ -18,7 +18,7 @@ from ....bake.pooling import SHARE, Neighbours
 from ....core.arrays import Floats, Ints
 from ....core.colour_spaces import LUMINANCE
 from ....core.hemisphere import square_to_direction
-from ..lookup.falloffs import falloff_at
+from ..lookup.lobes import falloff_at
 
 _DOUBT = 1.5  # times the noise: a difference no larger than that is none
 _DARK = 1e-3  # a colour's channel, below which it tells nothing of the light

@@ -18,7 +18,7 @@ from ....bake.pooling import Neighbours
 from ....core.arrays import Bools, Floats
 from ....core.hemisphere import square_to_direction
 from ....core.octahedron import cell_directions
-from ..lookup.falloffs import falloff_at
+from ..lookup.lobes import falloff_at
 from .bucket_grid import Block, BucketGrid
 from .own_light import Surface
 from .rows import random_half
