@@ -17,11 +17,9 @@ from radtex_addon.forms.layered.capture.panoramas import panorama_directions
 from radtex_addon.forms.layered.cells import OWN_RAYS, OWN_SIDE
 from radtex_addon.forms.layered.fit import bucket_grid
 from radtex_addon.forms.layered.fit.bucket_grid import Block, BucketGrid
-from radtex_addon.forms.layered.fit.buckets import Buckets, fit_buckets
-from radtex_addon.forms.layered.fit.harmonics import fit_harmonics
-from radtex_addon.forms.layered.fit.parts import ALL_PARTS, Parts
+from radtex_addon.forms.layered.fit.buckets import ALL_PARTS, Buckets, Parts, fit_buckets, free_share
 from radtex_addon.forms.layered.fit.rows import halved, random_half
-from radtex_addon.forms.layered.fit.visibility import free_share
+from radtex_addon.forms.layered.fit.view_dependence import fit_harmonics
 from radtex_addon.forms.layered.lookup.environment import Around, Pictures
 from radtex_addon.forms.layered.lookup.lobes import LOBES, STEPS, Material
 from radtex_addon.forms.layered.samples import OwnRays

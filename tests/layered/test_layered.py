@@ -14,10 +14,10 @@ from radtex_addon.core.octahedron import cell_directions
 from radtex_addon.cycles.portal import Aim
 from radtex_addon.forms.layered.capture.panoramas import panorama_directions
 from radtex_addon.forms.layered.fit.bucket_grid import BucketGrid
+from radtex_addon.forms.layered.fit.buckets import free_share
+from radtex_addon.forms.layered.fit.fitting import fit_lobes
 from radtex_addon.forms.layered.fit.lobes import Paths, fit_materials
 from radtex_addon.forms.layered.fit.residual import fit_rest, mean_brightness
-from radtex_addon.forms.layered.fit.visibility import free_share
-from radtex_addon.forms.layered.fit.widths import fit_lobes
 from radtex_addon.forms.layered.lookup.environment import (
     Around,
     Impostor,
@@ -27,8 +27,7 @@ from radtex_addon.forms.layered.lookup.environment import (
     Plane,
     lamps_of,
 )
-from radtex_addon.forms.layered.lookup.lobes import lobe
-from radtex_addon.forms.layered.lookup.visibility import seen_free
+from radtex_addon.forms.layered.lookup.lobes import lobe, seen_free
 from tests.layered.made_up import flat_plan, places_of
 
 SIDE = 12  # texels of a flat atlas

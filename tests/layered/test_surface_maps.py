@@ -13,11 +13,11 @@ from radtex_addon.core.arrays import Floats
 from radtex_addon.core.hemisphere import square_to_direction
 from radtex_addon.core.octahedron import cell_directions
 from radtex_addon.cycles.portal import Aim
-from radtex_addon.forms.layered.fit.falloffs import fit_falloffs
+from radtex_addon.forms.layered.fit.diffuse import fit_falloffs
 from radtex_addon.forms.layered.fit.fitting import fit_layered
 from radtex_addon.forms.layered.fit.texel_maps import tints
 from radtex_addon.forms.layered.fit.view_dependence import view_dependence
-from radtex_addon.forms.layered.lookup.falloffs import falloff_at
+from radtex_addon.forms.layered.lookup.lobes import falloff_at
 from radtex_addon.forms.layered.samples import Capture, OwnRays
 from tests.layered.made_up import flat_plan, light_samples, white_surface
 from tests.layered.test_layered import CELLS, SIDE, flat_samples

@@ -16,7 +16,7 @@ from radtex_addon.bake.blocks import in_blocks
 from radtex_addon.bake.plan import CapturePlan
 from radtex_addon.bake.pooling import Neighbours
 from radtex_addon.core.arrays import Floats
-from radtex_addon.forms.layered.fit.harmonics import basis, pooled
+from radtex_addon.forms.layered.fit.view_dependence import basis, pooled
 
 _TINY = 1e-9  # for texels without samples
 _AT_ONCE = 1 << 14  # samples in hand

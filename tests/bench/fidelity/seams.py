@@ -34,8 +34,8 @@ from radtex_addon.core.frame import normalised, orthonormal_frame
 from radtex_addon.core.gutter import nearest_covered
 from radtex_addon.core.seams import Seams
 from radtex_addon.core.surface import SurfaceMesh
+from radtex_addon.forms.layered.fit.buckets import ALL_PARTS
 from radtex_addon.forms.layered.fit.fitting import fit_layered
-from radtex_addon.forms.layered.fit.parts import ALL_PARTS
 from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas, sample_layered
 from radtex_addon.report.gbuffer import BakedSurface, GBuffer
 from radtex_addon.report.metrics import Mask, Picture, display

@@ -13,7 +13,7 @@ import pytest
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.octahedron import cell_directions
 from radtex_addon.core.sampler import bilinear
-from radtex_addon.forms.layered.fit.harmonics import basis
+from radtex_addon.forms.layered.fit.view_dependence import basis
 from radtex_addon.report.gbuffer import BakedSurface, Rays
 from radtex_addon.scene.mesh.copy import NORMAL, SIGN, TANGENT
 from tests.bench.fidelity.lightmaps import texture_bytes, up_to_white

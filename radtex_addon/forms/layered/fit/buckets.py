@@ -3,7 +3,8 @@
 """The buckets of what is mirrored: what the object shows of itself, what it leaves free, and the rest.
 
 An object that shows itself in its mirrors needs many cells for that; one that hardly does has more of many
-cells for the rest. Both take as many bytes: samples that neither was fitted to choose between them.
+cells for the rest. Both take as many bytes: samples that neither was fitted to choose between them. What is
+left free is kept as a picture, blurred as wide as its cells: see `lookup.lobes`.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ....bake.blocks import planes
-from ....bake.light_samples import LightSamples
+from ....bake.light_samples import LightSamples, LobeSamples
 from ....core.arrays import Bools, Floats
 from ....core.colour_spaces import LUMINANCE
 from ..cells import CELLS
@@ -24,14 +25,57 @@ from ..samples import OwnRays
 from .bucket_grid import Block, BucketGrid
 from .known import Known
 from .own_light import OwnLight, Surface, own_light
-from .parts import Parts
 from .residual import BRIGHTEST, brightness_weight, fit_rest, mean_brightness
 from .rows import Places, halved, random_half
 from .turned import mirrored_about, octahedral
-from .visibility import free_share
 
+_PRIOR = 0.0125  # of a cell's rays: the wider neighbourhood's count for that many
 _MIRRORS_ITSELF = 0.25  # share of mirror rays that meet the object, from which on there is no choice
 _SEED = 2
+
+
+def free_share(rays: LobeSamples, hit: Bools, grid: BucketGrid, cells: int) -> Floats:
+    """The share of mirror rays that miss the object, by direction: (1, B, cells * cells).
+
+    `hit` (K, S): which of the `rays` do not.
+    """
+    if not hit.any():
+        return np.ones((1, len(grid), cells * cells), dtype=np.float32)
+    table = np.empty((2, len(grid), cells * cells), dtype=np.float32)
+
+    def sum_up(block: Block) -> None:
+        _, place = rays.along(block.texels)
+        missed = (~hit[block.texels]).astype(np.float32)
+        table[:, block.buckets] = block.scatter(place, cells, [missed, np.ones_like(missed)])
+
+    grid.in_blocks(sum_up, hit.shape[1])
+    prior = np.float32(_PRIOR * float(table[1].mean()))
+
+    def share(own: Floats, wide: Floats) -> Floats:
+        usual = (wide[0] + 1e-3) / (wide[1] + 1e-3)
+        free: Floats = (own[0] + prior * usual) / (own[1] + prior)
+        return free[None]
+
+    return grid.pool(table, grid.neighbours.pool_further, share).copy()
+
+
+@dataclass(frozen=True)
+class Parts:
+    """Which parts of the layout are fitted: each may be left out, to see what it is worth."""
+
+    own: bool = True
+    rest: bool = True
+    lamps: bool = True
+    layers: bool = True
+    tint: bool = True
+    normals: bool = True
+    second_lobe: bool = True
+    widths: bool = True
+    cells: bool = True
+    smooth: bool = True
+
+
+ALL_PARTS = Parts()
 
 
 @dataclass(frozen=True, eq=False)

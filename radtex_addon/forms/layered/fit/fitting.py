@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Fitting the layered layout to its captures."""
+"""Fitting the layered layout to its captures; a texel's lobes may be wider than their material's."""
 
 from __future__ import annotations
 
@@ -17,31 +17,68 @@ from ....bake.pooling import Neighbours
 from ....bake.progress import Progress, Stage
 from ....bake.rays import coarser
 from ....core.arrays import Bools, Floats
+from ....core.colour_spaces import LUMINANCE
 from ....core.octahedron import cell_directions
 from ..cells import CELLS
 from ..lookup.atlas import LayeredAtlas
 from ..lookup.environment import Around
-from ..lookup.lobes import Material
+from ..lookup.lobes import STEPS, Material
 from ..lookup.ways import Through
 from ..samples import Capture
 from .bucket_grid import BucketGrid
-from .buckets import fit_buckets
-from .diffuse import facing_of
-from .falloffs import fit_falloffs
-from .irradiance import fit_irradiance
+from .buckets import ALL_PARTS, Parts, fit_buckets, free_share
+from .diffuse import facing_of, fit_falloffs, fit_irradiance
 from .known import Known
-from .lobes import Paths
+from .lobes import END, SHARPEST, Paths, angles, fit_materials
 from .own_light import Surface
-from .parts import ALL_PARTS, Parts
 from .texel_maps import shading_normals, tints
 from .through import fit_through_rest, fit_ways
 from .turned import mirrored_about, octahedral
 from .view_dependence import view_dependence
-from .visibility import free_share
-from .widths import fit_lobes
 
+_VARIES = 0.15  # standard deviation of the widths' logarithm, from which they are kept
+_WIDE = 0.02  # how much the wider neighbourhood counts for
+_LEAST, _MOST = 1 / 256, 256.0  # of width²
+_AT_ONCE = 1 << 18
 _STEPS = 5  # of progress
 _FREE = 0.98  # of a direction, above which a path is taken to leave the object straight away
+
+
+def fit_lobes(
+    paths: Paths, count: int, neighbours: Neighbours, vary: bool = True
+) -> tuple[tuple[Material, ...], Floats]:
+    """The lobes of so many materials, and what their width² is multiplied by in each texel: (K,) float32.
+
+    All 1 where widths hardly differ, or if they may not `vary`.
+    """
+    width = fit_widths(paths, neighbours)
+    if not vary or np.log(width).std() / 2 < _VARIES:
+        return fit_materials(paths, count), np.ones_like(width)
+    return fit_materials(replace(paths, width=width[paths.texel]), count), width
+
+
+def fit_widths(paths: Paths, neighbours: Neighbours) -> Floats:
+    """By how much the texels' paths are further from their axes than those of their material, squared: (K,).
+
+    Means of logarithms, which the few paths in a lobe's tails hardly change; float32.
+    """
+    texels = len(neighbours.plan.texel)
+    kind = paths.material.astype(np.intp) * STEPS
+    kind += np.clip((paths.cosine * STEPS).astype(np.intp), 0, STEPS - 1)
+    bright = (paths.weight @ LUMINANCE).astype(np.float64)
+    bright[np.linalg.norm(paths.end, axis=1) < END] = 0
+    far = np.empty(len(bright))
+    for first in range(0, len(bright), _AT_ONCE):
+        some = slice(first, first + _AT_ONCE)
+        length = np.maximum(np.linalg.norm(paths.end[some], axis=1), END)
+        up, across = angles(paths.end[some] / length[:, None], paths.axis[some], paths.normal[some])
+        far[some] = np.log(np.maximum(up**2 + across**2, SHARPEST**2))
+    usual = np.bincount(kind, bright * far) / np.maximum(np.bincount(kind, bright), 1e-12)
+    sums = [np.bincount(paths.texel, values, texels) for values in (bright * (far - usual[kind]), bright)]
+    table = np.stack(sums)[..., None].astype(np.float32)
+    pooled = neighbours.pool(table) + np.float32(_WIDE) * neighbours.pool(table, True)
+    width = np.exp(pooled[0, :, 0] / np.maximum(pooled[1, :, 0], 1e-12))
+    return np.clip(width, _LEAST, _MOST).astype(np.float32)
 
 
 def fit_layered(

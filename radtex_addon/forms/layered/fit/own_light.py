@@ -21,8 +21,7 @@ from ....bake.plan import CapturePlan
 from ....core.arrays import Floats, Ints
 from ..lookup.atlas import mirrored_light
 from ..lookup.environment import Around
-from ..lookup.falloffs import falloff_at
-from ..lookup.lobes import Material
+from ..lookup.lobes import Material, falloff_at
 from ..samples import OwnRays
 from .bucket_grid import Block, BucketGrid
 from .rows import Places

@@ -17,9 +17,7 @@ from ....core.fragments import Fragments
 from ....core.octahedron import direction_to_octahedron
 from ....core.sampler import bilinear, bilinear_texels
 from .environment import Around
-from .falloffs import falloff_at
-from .lobes import Material, bent
-from .visibility import seen_free
+from .lobes import Material, bent, falloff_at, seen_free
 from .ways import Through, look_through
 
 _STEEP = 0.3  # cosine between the mesh's normal and a shading normal, below which that is not used

@@ -1,6 +1,11 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A material's lobes, as they are looked up: how much they mirror, how wide, and how far bent, by N.V."""
+"""A material's lobes and falloffs by N.V, as they are looked up; and what a lobe sees past the object.
+
+Kept is a picture of what the object leaves free, blurred as wide as its cells. A sharp lobe needs a sharper
+edge: where the edge is straight, blurring a half-space by a lobe of another width changes F(d / s) into
+F(d / t), where F(x) = 1/2 + x / (2 sqrt(2 + x²)).
+"""
 
 from __future__ import annotations
 
@@ -9,10 +14,22 @@ from typing import cast
 
 import numpy as np
 
-from ....core.arrays import Floats
+from ....core.arrays import Floats, Ints
 
+_KEPT = 2.56  # the kept mask's own blur, times the number of its cells along a side, radians
+_EDGE = 0.04  # the sharpest edge that is shown, radians: cells do not tell where it is any better
 LOBES = 2
 STEPS = 16  # of N.V
+
+
+def falloff_at(falloff: Floats, material: Ints, cosine: Floats) -> Floats:
+    """The falloffs (M, B, 3) of materials (N,) at N.V (N,), linear between their points: (N, 3)."""
+    count = falloff.shape[1]
+    own = np.minimum(material, len(falloff) - 1)
+    place = np.clip(cosine * count - 0.5, 0, count - 1)
+    low = np.minimum(place.astype(np.intp), count - 2)
+    part = (place - low)[:, None].astype(falloff.dtype)
+    return cast(Floats, falloff[own, low] * (1 - part) + falloff[own, low + 1] * part)
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,3 +76,12 @@ def towards(axis: Floats, normal: Floats) -> Floats:
     axis, normal = axis.T, normal.T
     towards = normal - (normal * axis).sum(axis=0) * axis
     return cast(Floats, (towards / np.maximum(np.linalg.norm(towards, axis=0), 1e-6)).T)
+
+
+def seen_free(kept: Floats, variance: Floats, cells: int) -> Floats:
+    """The kept mask (N,) as a lobe of widths² (N,) sees it: (N,)."""
+    sharper = np.maximum(_KEPT / cells / np.sqrt(variance + _EDGE**2), 1)
+    place = np.clip(2 * kept - 1, -1, 1) * sharper
+    return cast(
+        Floats, (0.5 + 0.5 * place / np.sqrt(1 - (place / sharper) ** 2 + place**2)).astype(np.float32)
+    )

@@ -16,8 +16,7 @@ from ....preview.taps import in_working_space, octahedron_group, readable_size
 from ....scene.nodes import NodeBuilder, Socket, close_group, open_group
 from ..files.arrangement import ALPHA, COLOUR, IRRADIANCE, NORMAL, OWN, REST, TINT, WIDTH
 from ..files.sidecar import LayeredSidecar
-from .curves import curve_group, curves_at
-from .images import buckets_group, constant, map_group, ordered
+from .images import buckets_group, constant, curve_group, curves_at, map_group, ordered
 from .surroundings import around_group
 from .through import through_group
 

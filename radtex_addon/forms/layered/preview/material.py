@@ -22,8 +22,8 @@ from ....scene.mesh.copy import MATERIAL
 from ....scene.nodes import open_material
 from ..files.layered_files import read_layered_sidecar
 from ..files.sidecar import LayeredSidecar
-from .curves import curves_of
 from .group import CURVES, SHOWS_THROUGH, build_layered_group
+from .images import curves_of
 
 log = logging.getLogger(__name__)
 

@@ -15,8 +15,8 @@ from radtex_addon.bake.progress import finished
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.arrays import Ints
 from radtex_addon.core.fragments import Fragments
+from radtex_addon.forms.layered.fit.buckets import ALL_PARTS, Parts
 from radtex_addon.forms.layered.fit.fitting import fit_layered
-from radtex_addon.forms.layered.fit.parts import ALL_PARTS, Parts
 from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas, alpha_at, sample_layered
 from radtex_addon.report.gbuffer import Array, GBuffer
 from radtex_addon.scene.checks.camera_checks import camera_materials

@@ -15,7 +15,7 @@ import numpy as np
 from radtex_addon.bake.pooling import Neighbours
 from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.sampler import bilinear
-from radtex_addon.forms.layered.fit.harmonics import pooled
+from radtex_addon.forms.layered.fit.view_dependence import pooled
 from radtex_addon.report.gbuffer import Array, GBuffer
 
 from ..captured import Captured, OfCapture
