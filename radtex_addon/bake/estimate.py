@@ -145,7 +145,7 @@ def typical_seconds(work: BakeWork) -> Mapping[str, float]:
     kind, paths = Kind(work.kind), work.by_paths
     seconds = {
         START: 3.5,
-        str(Stage.EVALUATE): 0.1 + (5e-5 if paths else 5e-6) * work.triangles,
+        str(Stage.EVALUATE): 0.1 + (1.2e-5 if paths else 5e-6) * work.triangles,
         str(Stage.UNWRAP): _unwrap_seconds(work),
         str(Stage.RASTER): 0.1 + 5e-6 * work.texels**2,
         str(Stage.CAPTURE): _capture_seconds(work),
@@ -156,8 +156,8 @@ def typical_seconds(work: BakeWork) -> Mapping[str, float]:
         seconds[str(Stage.PROBE)] = 0.1 + 3e-6 * cells
     if paths:
         rays = LayeredRays.of(work.samples).of_texel
-        seconds[str(Stage.SURROUNDINGS)] = 22.0 * (0.045 + 0.955 * work.surroundings**2)
-        seconds[str(Stage.FIT)] = 0.2 + work.covered * (1.4e-3 + 2.9e-6 * rays)
+        seconds[str(Stage.SURROUNDINGS)] = 9.0 * (0.045 + 0.955 * work.surroundings**2)
+        seconds[str(Stage.FIT)] = 0.2 + work.covered * (3.4e-4 + 7e-7 * rays)
     else:
         seconds[str(Stage.FILL)] = 0.05 + 1.2e-6 * work.cells
     if work.denoise and not paths:

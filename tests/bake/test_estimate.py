@@ -41,6 +41,14 @@ def test_without_measurements_the_time_is_the_typical_one(spec: BakeSpec) -> Non
     assert found.total == pytest.approx(sum(typical_seconds(work(spec)).values()))
 
 
+def test_a_larger_mesh_takes_longer_in_the_stages_that_read_it() -> None:
+    for spec in (LAYERED, PLAIN):
+        few, many = (typical_seconds(BakeWork.of(spec, n, preview=True, device="CPU")) for n in (1_000, 9_000))
+        grown = {stage for stage in few if many[stage] > few[stage]}
+        assert grown == {"evaluate", "unwrap", "preview"}
+        assert all(many[stage] == few[stage] for stage in set(few) - grown)
+
+
 def test_the_same_bake_again_takes_as_long_as_it_took() -> None:
     seconds = {START: 2.0, "unwrap": 40.0, "capture": 7.0, "fit": 90.0, "surroundings": 3.0, "write": 0.5}
     others = [measured(work(LAYERED), 3.0, "there", f"Other {number}") for number in range(5)]
