@@ -25,6 +25,7 @@ DOCS = ROOT / "docs"
 PICTURES = {".png", ".webp", ".svg", ".gif", ".jpg"}
 _CODE = re.compile(r"^( *)(```+|~~~+|:::+).*?^\1\2 *$", re.MULTILINE | re.DOTALL)
 _LINK = re.compile(r"\]\((?![a-z]+:)([^)\s]+)\)|<img[^>]* src=\"(?![a-z]+:)([^\"]+)\"")
+_CODE_FILE = re.compile(r"`((?:[\w.]+/)+\w+\.(?:py|c|ts))`")
 _HEADING = re.compile(r"^#{1,6} +(.+?) *#*$", re.MULTILINE)
 _TOCTREE = re.compile(r"^```\{toctree\}\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
@@ -109,3 +110,17 @@ def test_the_check_of_the_site_finds_what_is_missing(tmp_path: Path) -> None:
     (tmp_path / "other.html").write_text('<h1 id="there">x</h1>')
     dead = check_site().dead_links(tmp_path)
     assert [line.split(": ")[1] for line in dead] == ["gone.html", "gone.png", "other.html#gone"]
+
+
+def test_files_of_code_that_pages_name_are_there() -> None:
+    """But for pages in docs/project, which tell of earlier states."""
+    roots = (ROOT, ROOT / "radtex_addon", ROOT / "radtex_addon/forms/layered", ROOT / "shaders")
+    pages = [page for page in markdown_files() if page.parent.name != "project"]
+    named = {(page.name, name) for page in pages for name in _CODE_FILE.findall(page.read_text("utf-8"))}
+    assert len(named) > 50
+    missing = {
+        (page, name)
+        for page, name in named
+        if not name.startswith("forms/NAME/") and not any((root / name).is_file() for root in roots)
+    }
+    assert not missing
