@@ -11,7 +11,7 @@ Each Blender has an environment of its own (.venv-4.5, .venv-5.2), made from uv.
 They run side by side, each line behind its Blender's number. A run of everything gives the newest's tests
 of real programs a process of their own, before which the others step back (`nice`), because it takes longest,
 and half of its files that start bakes another. It leaves to the newest what is marked `one_blender`, because
-Blender has no part in it. RADTEX_EVERY_BLENDER=1 runs all of it on all.
+Blender has no part in it. RADTEX_EVERY_BLENDER=1 runs all of it on all. Before it, the web page is built.
 At the end stands what the tests cost: the sum by folder, beside its budget, the dearest tests, and how often
 a bake was made or a program started (`--costs FILE` also writes each test's). Then what failed is named, with
 the end of what pytest said of it, and the last line sums up, as pytest would; the exit code is 0 only if all
@@ -74,6 +74,7 @@ def main() -> int:
         everywhere = [f"--ignore={REAL}", "-m", "not one_blender"]
         runs = dict.fromkeys(runs, [] if os.environ.get("RADTEX_EVERY_BLENDER") else everywhere)
         runs |= {f"{NEWEST} real": [REAL], **in_two(NEWEST)}
+        build_page()
     with tempfile.TemporaryDirectory() as shared, ThreadPoolExecutor(len(runs)) as pool:
         ended = [
             pool.submit(run_pytest, name, arguments, Path(shared), len(runs) > 1)
@@ -91,6 +92,12 @@ def main() -> int:
     counts = sum((outcome.counts for _, outcome in outcomes), Counter[str]())
     print(summary(counts, perf_counter() - started), flush=True)
     return max((code for code, _ in outcomes), key=abs)
+
+
+def build_page() -> None:
+    """Have the web page built, which exports bring; if that fails, it says why, and tests of it fail."""
+    environment = os.environ | {"UV_PROJECT_ENVIRONMENT": str(ROOT / f".venv-{NEWEST}")}
+    run([UV, "run", "--frozen", "--python", PYTHON_OF[NEWEST], ".ci/build_web.py"], environment)
 
 
 def in_two(blender: str) -> dict[str, list[str]]:
