@@ -218,7 +218,7 @@ def test_dragging_with_shift_turns_the_sun(web: Site, kind_bake: Bakes) -> None:
         mouse.move(200, 220)
         page.keyboard.down("Shift")
         mouse.down()
-        mouse.move(300, 170, steps=5)
+        mouse.move(300, 170, steps=2)
         mouse.up()
         page.keyboard.up("Shift")
         azimuth, height = json.loads(page.evaluate(place))
@@ -236,7 +236,7 @@ def test_dragging_with_shift_turns_the_sun(web: Site, kind_bake: Bakes) -> None:
         assert page.evaluate("radtex.sun().azimuth") == pytest.approx(-175)  # all the way round
         mouse.move(200, 220)
         mouse.down()
-        mouse.move(300, 170, steps=5)
+        mouse.move(300, 170, steps=2)
         mouse.up()
         assert page.evaluate("radtex.sun().azimuth") == pytest.approx(-175)
         assert (shown.pixels()[..., 3] > 0).sum() != (after[..., 3] > 0).sum()  # without Shift it orbits
