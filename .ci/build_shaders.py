@@ -116,7 +116,7 @@ class Source:
                 lines.append(sources[stem].again(variant, macro, words))
             else:
                 lines.append(line)
-        lines.insert(2, f"// Written by .ci/build_shaders.py from source/{self.stem}.c: edit that.")
+        lines.insert(2, f"// Written by RadTex's .ci/build_shaders.py from shaders/source/{self.stem}.c.")
         return re.sub(r"\n{3,}", "\n\n", "\n".join([*lines, ""]))
 
     def again(self, variant: str, macro: str, words: Mapping[str, str]) -> str:

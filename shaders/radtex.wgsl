@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 RadTex authors
 // SPDX-License-Identifier: MIT
-// Written by .ci/build_shaders.py from source/radtex.c: edit that.
+// Written by RadTex's .ci/build_shaders.py from shaders/source/radtex.c.
 //
 // Look up a radiance texture: WGSL. Put it before your shader's text, then
 //

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 RadTex authors
 // SPDX-License-Identifier: MIT
-// Written by .ci/build_shaders.py from source/radtex_layered.c: edit that.
+// Written by RadTex's .ci/build_shaders.py from shaders/source/radtex_layered.c.
 //
 // Look up a radiance texture in the layered layout: WGSL. Put it before your shader's text, then
 //

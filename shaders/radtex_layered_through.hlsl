@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 RadTex authors
 // SPDX-License-Identifier: MIT
-// Written by .ci/build_shaders.py from source/radtex_layered_through.c: edit that.
+// Written by RadTex's .ci/build_shaders.py from shaders/source/radtex_layered_through.c.
 //
 // Look up a radiance texture in the layered layout, of an object that light comes through: HLSL, shader model 5 and
 // later. radtex_layered.hlsl, which says what is defined before, must lie beside it. Define RADTEX_THROUGH, include

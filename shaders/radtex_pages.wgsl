@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 RadTex authors
 // SPDX-License-Identifier: MIT
-// Written by .ci/build_shaders.py from source/radtex_pages.c: edit that.
+// Written by RadTex's .ci/build_shaders.py from shaders/source/radtex_pages.c.
 //
 // Look up a radiance texture in pages, an array texture: WGSL. Put it behind radtex.wgsl, then
 //

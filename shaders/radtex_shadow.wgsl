@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 RadTex authors
 // SPDX-License-Identifier: MIT
-// Written by .ci/build_shaders.py from source/radtex_shadow.c: edit that.
+// Written by RadTex's .ci/build_shaders.py from shaders/source/radtex_shadow.c.
 //
 // Look up shadows in one bit a cell: WGSL. Put it behind radtex.wgsl, then
 //

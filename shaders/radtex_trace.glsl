@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 RadTex authors
 // SPDX-License-Identifier: MIT
-// Written by .ci/build_shaders.py from source/radtex_trace.c: edit that.
+// Written by RadTex's .ci/build_shaders.py from shaders/source/radtex_trace.c.
 //
 // Find where a ray first meets a baked mesh: GLSL 330 and later, GLSL ES 300 (WebGL 2) and later. Include it, then
 //

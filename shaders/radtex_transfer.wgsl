@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 RadTex authors
 // SPDX-License-Identifier: MIT
-// Written by .ci/build_shaders.py from source/radtex_transfer.c: edit that.
+// Written by RadTex's .ci/build_shaders.py from shaders/source/radtex_transfer.c.
 //
 // Relight an object by a radiance texture of kind `transfer`: WGSL. Put radtex.wgsl, then this, before your shader's
 // text, then for each light, and add up what they bring:
