@@ -32,9 +32,8 @@ from ..job.checks import check_request
 from ..job.output_files import OutputFiles
 from ..job.replaced_bake import Overwrite
 from ..job.split_parts import check_part
-from ..scene.at_frame import at_frame
 from ..scene.digests import Looks
-from ..scene.scratch import new_data_removed
+from ..scene.scratch import at_frame, new_data_removed
 from .blend import check_images_saved, check_seed, finish_blend, save_draft
 from .farm_files import FarmFiles
 from .farm_manifest import Copies, Manifest, check_farmable, check_frame_count, write_plan
