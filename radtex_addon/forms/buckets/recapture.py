@@ -23,7 +23,7 @@ from ...core.arrays import Bools, Floats, Ints
 from ...core.errors import InputError
 from ...core.texel_map import TexelMap
 from ...cycles.portal import PortalCapture
-from ...scene.checks.enclosing_volumes import has_volumes
+from ...scene.checks.see_through import has_volumes
 from ...scene.scratch import scene_copied
 from .previous_atlas import PreviousAtlas
 
