@@ -19,7 +19,7 @@ import numpy as np
 from ...core.arrays import Floats, Ints
 from ...core.errors import InputError
 from ...core.islands import areas_on_surface
-from ...core.ray_offset import ray_offset
+from ...core.surface import ray_offset
 from ..checks.refusals import refuse_adaptive_subdivision, refuse_displacement
 
 log = logging.getLogger(__name__)
