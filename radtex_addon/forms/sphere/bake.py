@@ -13,8 +13,7 @@ from ...bake.denoising import Denoiser, denoise_pictures, squares
 from ...bake.plan import CapturePlan
 from ...bake.progress import Progress, Stage
 from ...bake.spec import View
-from ...bake.transfer_buckets import fit_buckets
-from ...bake.transfer_views import view_shift, views_along
+from ...bake.transfer_buckets import fit_buckets, view_shift, views_along
 from ...core.arrays import Floats
 from ...core.atlas import AtlasLayout
 from ...cycles.denoiser import image_denoiser

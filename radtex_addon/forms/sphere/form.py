@@ -13,7 +13,7 @@ import bpy
 from ...bake.forms import SPHERE, FormTraits
 from ...bake.progress import Progress
 from ...bake.spec import BakeSpec
-from ...bake.transfer_views import views_along
+from ...bake.transfer_buckets import views_along
 from ...core.arrays import Floats
 from ...core.atlas import AtlasLayout
 from ...core.sampler import with_views
