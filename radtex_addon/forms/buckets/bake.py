@@ -42,10 +42,8 @@ from ...scene.proxy_content import show_content_only
 from ...scene.scratch import find_view_layer
 from ..bake_job import BakeJob
 from ..outcome import Outcome
-from .accumulate import accumulated
 from .previous_atlas import read_earlier, with_counts
-from .recapture import Recapture, chosen_texels
-from .refresh import refreshed
+from .recapture import Recapture, accumulated, chosen_texels, refreshed
 
 log = logging.getLogger(__name__)
 
