@@ -35,8 +35,8 @@ from ...preview.node_group import check_previewable
 from ...preview.osl import no_script
 from ...textures.export_spec import Step
 from ..bake_job import BakeJob
-from ..buckets.flat import flat_buckets
 from ..buckets.form import Buckets, layout_in
+from ..buckets.textures import flat_buckets
 from ..form import Form, PreviewOf
 from ..occlusion_bake import Captured, capture_occlusion
 from ..outcome import Outcome
