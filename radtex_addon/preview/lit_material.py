@@ -134,9 +134,7 @@ def preview_transfer_material(
     material, build = open_material(name)
     cast(Any, material).cycles.emission_sampling = "NONE"  # rays see it, but Cycles does not sample it
     uv, frame = build.uv_map(uv_layer), build.group(build_frame_group())
-    light, strength = build.combine(*_FROM_LEFT), build.combine(*_SUNNY)
-    for socket, label in ((light, DIRECTION), (strength, IRRADIANCE)):
-        socket.node.name = socket.node.label = label
+    light, strength = _own_light(build)
     color, alpha = build.group(sampler, uv, *frame, light)
     emission = build.node("ShaderNodeEmission", build.vector("MULTIPLY", color, strength))
     behind = build.node("ShaderNodeBsdfTransparent", build.math("SUBTRACT", 1.0, alpha))
@@ -145,6 +143,15 @@ def preview_transfer_material(
     build.arrange()
     follow_sun(material, scene)
     return material
+
+
+def _own_light(build: NodeBuilder) -> tuple[Socket, Socket]:
+    """The vector towards the light, and its irradiance: two nodes that `follow_sun` finds by their names."""
+    made = []
+    for values, label in ((_FROM_LEFT, DIRECTION), (_SUNNY, IRRADIANCE)):
+        made.append(build.combine(*values))
+        made[-1].node.name = made[-1].node.label = label
+    return made[0], made[1]
 
 
 def first_sun(scene: bpy.types.Scene) -> bpy.types.Object | None:
@@ -222,9 +229,7 @@ def preview_shadow_material(
     material, build = open_material(name)
     cast(Any, material).cycles.emission_sampling = "NONE"  # rays see it, but Cycles does not sample it
     uv, frame = build.uv_map(uv_layer), build.group(build_frame_group())
-    light, irradiance = build.combine(*_FROM_LEFT), build.combine(*_SUNNY)
-    for socket, label in ((light, DIRECTION), (irradiance, IRRADIANCE)):
-        socket.node.name = socket.node.label = label
+    light, irradiance = _own_light(build)
     seen, _ = build.group(sampler, uv, *frame, light)
     upright, towards = build.vector("NORMALIZE", frame[0]), build.vector("NORMALIZE", light)
     cosine = build.math("MAXIMUM", build.vector("DOT_PRODUCT", upright, towards), 0.0)
