@@ -24,7 +24,7 @@ from ..core.atlas import AtlasLayout
 from ..core.errors import InputError
 from ..core.frame import orthonormal_frame
 from ..core.gutter import Nearest, dilate, nearest_covered
-from ..core.ray_offset import ray_offset
+from ..core.surface import ray_offset
 from ..core.texel_map import TexelMap
 
 MIN_IMAGE_SIDE = 4  # Blender renders no smaller picture, in pixels

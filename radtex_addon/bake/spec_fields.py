@@ -14,7 +14,7 @@ from .options import MARKED, BakeOptions
 from .plan import MAX_IMAGE_SIDE
 from .rays import CLEAR_SAMPLES, LayeredRays, coarser, finer
 from .texel_density import MOST_TEXELS, STEP
-from .transfer_views import views_along
+from .transfer_buckets import views_along
 
 _BYTES_PER_CHANNEL = 8  # float32, twice: as cells, and joined to an image (measured: RGBA 33 to 35)
 _BYTES_PER_TEXEL = 256  # points and frames, once as a map and once packed (measured: 180 to 240)

@@ -2,21 +2,24 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Turn the light under suns, which are fixed in the world, into buckets in each texel's own frame.
 
-Every texel was captured under the same suns. Its light is interpolated between them once, in world space: by
-kriging from means over the suns' discs, which also removes the blur of the discs. Each bucket is then the
-octahedral map whose bilinear lookup comes nearest to this light in the texel's frame, by least squares.
-Blending between suns, and again between cells in the lookup, would blur twice. An odd number of cells suits
-octahedral maps better, as their creases then run through the middles of cells: lookups of a cosine have an
-RMS error of 0.030 at 8 x 8 cells, of 0.020 at 9 x 9.
+Every texel was captured under the same suns, from the directions of a `bake.choices.View`. Its light is
+interpolated between them once, in world space: by kriging from means over the suns' discs, which also removes
+the blur of the discs. Each bucket is then the octahedral map whose bilinear lookup comes nearest to this
+light in the texel's frame, by least squares. Blending between suns, and again between cells in the lookup,
+would blur twice. An odd number of cells suits octahedral maps better, as their creases then run through the
+middles of cells: lookups of a cosine have an RMS error of 0.030 at 8 x 8 cells, of 0.020 at 9 x 9.
 """
 
 from __future__ import annotations
 
 from collections.abc import Generator
+from dataclasses import dataclass
 
 import numpy as np
 
 from ..core.arrays import Floats, Ints
+from ..core.frame import normalised, to_frame
+from ..core.hemisphere import direction_to_square
 from ..core.octahedron import (
     cell_directions,
     cell_places,
@@ -25,9 +28,12 @@ from ..core.octahedron import (
     octahedron_taps,
 )
 from ..core.sampler import lookup_solid_angles_sr
+from .choices import View
 from .plan import CapturePlan
 from .progress import Progress, Stage
 
+_AROUND = 3  # views along a bucket's side
+_STRAIGHT = 0.51  # almost along the normal: the exact middle of a bucket has no azimuth
 _FINER = 2  # cells of the world's map, and fitted places, along the side of a bucket's cell
 _DISC = 37  # points that represent a sun's disc: with 7, energy varies by 2 % with the direction
 _GOLDEN = np.pi * (3 - np.sqrt(5))
@@ -37,6 +43,43 @@ _SMOOTHNESS = 1e-3  # weight of differences between neighbouring cells, against 
 _ENERGY = 10.0  # weight of a bucket's total energy, against the light at all places together
 _ROUNDS = 8
 _CHUNK_VALUES = 1 << 23  # values of looked-up light in memory at once
+
+
+@dataclass(frozen=True)
+class Eye:
+    """A camera's place in world space; if `far`, as for an orthographic camera, the unit direction to it."""
+
+    place: tuple[float, float, float]
+    far: bool = False
+
+    def direction_from(self, points: Floats) -> Floats:
+        """Unit vectors (K, 3) float64 from points (K, 3) to the eye."""
+        place = np.asarray(self.place, dtype=np.float64)
+        return normalised(np.broadcast_to(place, points.shape) if self.far else place - points)
+
+
+def views_along(view: View) -> int:
+    """The number of views along a bucket's side; its square is captured."""
+    return _AROUND if view is View.AROUND else 1
+
+
+def view_shift(plan: CapturePlan, eye: Eye | None = None) -> Floats:
+    """The place in its cells from which each texel is looked at: (K, 2) float32, 0 to 1 along a side.
+
+    Without an `eye` it is the cells' middle, which for buckets of one cell is along the normal. A texel that
+    faces away from the eye is looked at from the eye's mirror image in its plane: near a silhouette that is
+    almost the same direction, and elsewhere nobody sees such texels.
+    """
+    count = len(plan.texel)
+    if eye is None:
+        return np.full((count, 2), _STRAIGHT, dtype=np.float32)
+    frame = (field.reshape(-1, 3)[:count] for field in (plan.tangent, plan.bitangent, plan.normal))
+    local = to_frame(eye.direction_from(plan.points.astype(np.float64)), *frame)
+    local[:, 2] = np.abs(local[:, 2])
+    place: Floats = ((direction_to_square(normalised(local)) + 1) / 2).astype(np.float32)
+    middle = np.abs(place - 0.5).max(axis=1) < _STRAIGHT - 0.5
+    place[middle] = _STRAIGHT
+    return place
 
 
 def sun_directions(count: int) -> Floats:

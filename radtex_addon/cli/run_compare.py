@@ -15,10 +15,9 @@ from ..report.metrics import Figures
 from ..report.shown import bakes_of, frame_of
 from ..report.side_by_side import ComparisonFiles, compare_steps, write_comparison
 from ..report.viewpoint import Eye
-from ..scene.at_frame import at_frame
 from ..scene.demo import OBJECT
 from ..scene.objects import check_only_one, find_object
-from ..scene.scratch import find_view_layer
+from ..scene.scratch import at_frame, find_view_layer
 from .compare_arguments import CompareRequest
 from .interruption import Interruption
 from .opening import open_asked

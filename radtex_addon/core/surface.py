@@ -11,6 +11,9 @@ import numpy as np
 
 from .arrays import Floats, Ints, Keys, blocks, sorted_ranges
 
+GRAZING = 0.01  # least cosine between a ray and the normal of the facet that it starts from
+_OF_SIZE = 5e-4  # times the object's diagonal: less than a texel, more than facets lie off the smooth surface
+_OF_COORDINATE = 5e-5  # times the largest coordinate: lifts a grazing ray's start by eight float32 steps
 _NOTHING = 1e-30  # lengths below count as 0
 _BITS = 10  # of each coordinate in a Morton number
 _LEAST = 16  # a patch with `most` / _LEAST triangles or fewer is not split further
@@ -151,3 +154,10 @@ def _stretches(corners: Floats, uv: Floats) -> Floats:
     apart = np.sqrt((uu - vv) ** 2 + 4 * uv_ * uv_)
     found: Floats = np.sqrt(np.maximum(np.stack([uu + vv + apart, uu + vv - apart], axis=1) / 2, 0))
     return found
+
+
+def ray_offset(position: Floats) -> float:
+    """Distance in scene units between P and a ray's start, for surface positions (..., 3) in world space."""
+    points = position.reshape(-1, 3).astype(np.float64)
+    diagonal = float(np.linalg.norm(points.max(axis=0) - points.min(axis=0)))
+    return max(_OF_SIZE * diagonal, _OF_COORDINATE * float(np.abs(points).max()), 1e-9)

@@ -24,7 +24,7 @@ from ..bake.plan import MIN_IMAGE_SIDE, CapturePlan, Tile, sheet_seed
 from ..core.arrays import Floats
 from ..core.errors import BakeError
 from ..core.hemisphere import cell_centres
-from ..core.ray_offset import GRAZING, ray_offset
+from ..core.surface import GRAZING, ray_offset
 from ..formats.disk.path_checks import render_path
 from ..scene.nodes import NodeBuilder, Socket, open_material
 from .building_blocks import (

@@ -55,10 +55,10 @@ def capture_under_suns(
 ) -> Generator[Progress, None, Lit]:
     """Look at each texel of a plan under `sun_directions(suns)`, of irradiance 1.
 
-    Each cell of a bucket is one viewer, at `shift` (K, 2) in the cell (see `bake.transfer_views`). `scene` is
-    a copy of a scratch scene and unusable afterwards; `folder` is for temporary files, the `store` stores
-    each render, the `thumbnail` gets the mean of the suns so far. Yields progress in texels times suns.
-    Raises BakeError where Cycles fails or returns values that are not numbers.
+    Each cell of a bucket is one viewer, at `shift` (K, 2) in the cell (see `transfer_buckets.view_shift`).
+    `scene` is a copy of a scratch scene and unusable afterwards; `folder` is for temporary files, the `store`
+    stores each render, the `thumbnail` gets the mean of the suns so far. Yields progress in texels times
+    suns. Raises BakeError where Cycles fails or returns values that are not numbers.
     """
     take_light_away(scene)
     sun = _add_sun(scene, sun_radius(suns))

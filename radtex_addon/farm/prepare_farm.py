@@ -30,9 +30,8 @@ from ..forms.outcome import Outcome
 from ..job.baking import Baked, bake_unchecked
 from ..job.checks import check_request
 from ..job.split_parts import check_part
-from ..scene.at_frame import at_frame
 from ..scene.digests import Looks
-from ..scene.scratch import new_data_removed
+from ..scene.scratch import at_frame, new_data_removed
 from ..store.output_files import OutputFiles
 from ..store.ownership import Overwrite
 from .blend import check_images_saved, check_seed, finish_blend, save_draft

@@ -22,13 +22,13 @@ from ..core.errors import InputError
 from ..formats.disk.kinds_of_files import FileKind, open_of_kind
 from ..formats.disk.memory import readable_size
 
+log = logging.getLogger(__name__)
+
 MOST_PACKED = (2 << 30) - 1  # bytes of a file in a .blend
 MOST_BESIDE = 16 << 30  # bytes of a file beside it
 MOST = 32 << 30  # bytes of all of them
 
 _PUT_BACK = "put the right file there, or take it out of the scene"
-log = logging.getLogger(__name__)
-
 FILES = "files"  # the folder beside the .blend for what it cannot hold
 
 

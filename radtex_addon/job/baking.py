@@ -35,14 +35,13 @@ from ..prepare.map_checks import wasteful_map
 from ..prepare.prepared import Prepared, prepare
 from ..prepare.unwrapping import COUNTED, Unwraps
 from ..preview.swap import previews_not_rendered
-from ..scene.at_frame import at_frame
 from ..scene.camera_place import find_camera_place
 from ..scene.lights.lamps import light_only, lit_by_lamps_alone
 from ..scene.mesh.cage import take_cage_out
 from ..scene.objects import find_object
 from ..scene.proxy_content import EVERYTHING, show_content_only
 from ..scene.regroup import leave_alone
-from ..scene.scratch import find_view_layer, new_data_removed, scratch_scene
+from ..scene.scratch import at_frame, find_view_layer, new_data_removed, scratch_scene
 from ..store.bake_folder import BakeFolder
 from ..store.output_files import BakeOutput, OutputFiles
 from ..store.ownership import Overwrite, open_blend

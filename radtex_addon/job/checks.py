@@ -20,11 +20,10 @@ from ..forms import form_for
 from ..preview.linked import check_replaceable
 from ..scene.camera_place import find_camera_place
 from ..scene.checks.camera_checks import camera_dependent, camera_materials
-from ..scene.checks.enclosing_volumes import volumes_around
 from ..scene.checks.file_checks import check_outside_files, file_warnings
 from ..scene.checks.finite_light import refuse_unfinite_light
 from ..scene.checks.refusals import refuse_see_through
-from ..scene.checks.see_through import why_no_surface
+from ..scene.checks.see_through import volumes_around, why_no_surface
 from ..scene.lights.lamps import find_lamps, refuse_negative, rendered_lamps
 from ..scene.lights.light import is_dark
 from ..scene.mesh.cage import find_cage

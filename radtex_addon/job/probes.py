@@ -25,8 +25,7 @@ from ..forms import form_for
 from ..forms.bake_job import BakeJob
 from ..forms.outcome import Outcome
 from ..prepare.prepared import Prepared
-from ..scene.at_frame import at_frame
-from ..scene.scratch import new_data_removed
+from ..scene.scratch import at_frame, new_data_removed
 from ..store.output_files import OutputFiles
 from .baking import bake_unchecked
 from .split_parts import check_part

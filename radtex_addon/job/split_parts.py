@@ -14,12 +14,11 @@ from ..bake.spec import BakeSpec, Split
 from ..core.arrays import Bools
 from ..core.errors import InputError
 from ..prepare.unwrapping import split_surfaces
-from ..scene.at_frame import at_frame
 from ..scene.mesh.evaluated import evaluate
 from ..scene.mesh.mesh_parts import NO_MATERIAL
 from ..scene.mesh.named_regions import chosen_triangles
 from ..scene.objects import find_object
-from ..scene.scratch import scratch_scene
+from ..scene.scratch import at_frame, scratch_scene
 
 
 def part_specs(

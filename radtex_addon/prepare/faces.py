@@ -24,10 +24,10 @@ from ..scene.mesh.copy import baked_mesh
 from ..scene.mesh.evaluated import EvaluatedMesh
 from ..scene.mesh.mesh_parts import taken
 
-TwoSided: TypeAlias = Bools | None  # of a mesh, the triangles (F,) that get a twin
 log = logging.getLogger(__name__)
 
 Once: TypeAlias = Bools | None  # of a mesh, the triangles (F,) that repeat no other; None for all
+TwoSided: TypeAlias = Bools | None  # of a mesh, the triangles (F,) that get a twin
 
 _DOUBLED = 0.005  # of a mesh's area that lies on itself, from which on it is told
 _TURNED = 0.02  # of its edges: a Möbius strip has a few, too

@@ -27,9 +27,8 @@ from ..core.arrays import Bools, Floats, Ints
 from ..core.inset import inset
 from ..core.islands import areas_on_surface
 from ..core.near_digest import DIGEST, NearHash
-from ..core.ray_offset import ray_offset
 from ..core.seams import Seams, beyond_seams
-from ..core.surface import SurfaceMesh
+from ..core.surface import SurfaceMesh, ray_offset
 from ..core.texel_map import TexelMap, rasterise
 from ..core.uv_map import UvMap
 from ..cycles.find_hidden import find_hidden

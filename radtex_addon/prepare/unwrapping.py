@@ -21,13 +21,13 @@ from ..core.arrays import Bools, Floats
 from ..core.errors import InputError
 from ..core.islands import signed_areas, surface_areas, uv_islands, weld
 from ..core.near_digest import is_same
-from ..scene.at_frame import at_frame
 from ..scene.geometry_digests import matrix_digest, mesh_digest
 from ..scene.mesh.backs import with_twins_moved
 from ..scene.mesh.copy import UV_LAYER
 from ..scene.mesh.evaluated import EvaluatedMesh, evaluate
 from ..scene.mesh.joined import side_by_side
 from ..scene.mesh.mesh_parts import Parts, in_first_tile, parts_of, taken
+from ..scene.scratch import at_frame
 from ..scene.uv.unwrap import unwrap_steps
 from ..scene.uv.unwrap_options import UnwrapOptions
 from ..scene.uv.uv_layer import check_apart, user_uv, why_unfit

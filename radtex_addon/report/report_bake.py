@@ -17,9 +17,8 @@ from ..formats.disk.temporary import temporary_folder
 from ..formats.sidecar import file_name
 from ..formats.sidecar_file import AnySidecar, opened
 from ..prepare.unwrapping import unwrap_options
-from ..scene.at_frame import at_frame
 from ..scene.objects import find_object
-from ..scene.scratch import scratch_scene
+from ..scene.scratch import at_frame, scratch_scene
 from ..scene.units import metres_per_unit
 from .causes import bake_variants, first_change
 from .finished_bake import Finished, check_whole, object_of, read_bake

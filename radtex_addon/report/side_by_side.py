@@ -31,8 +31,7 @@ from ..formats.sidecar import safe_name
 from ..formats.sidecar_file import AnySidecar, SidecarFile, opened
 from ..preview.hidden_objects import check_hideable
 from ..preview.swap import copy_of, is_on, originals_rendered, switch_all_on, switch_off
-from ..scene.at_frame import at_frame
-from ..scene.scratch import scene_copied, scratch_scene
+from ..scene.scratch import at_frame, scene_copied, scratch_scene
 from ..version import VERSION
 from .gbuffer import eroded
 from .metrics import Figures, Mask, Picture, compare, display

@@ -8,7 +8,7 @@ from typing import Any, cast
 
 import bpy
 
-from ..bake.transfer_views import Eye
+from ..bake.transfer_buckets import Eye
 from ..core.errors import InputError
 
 

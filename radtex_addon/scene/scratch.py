@@ -3,7 +3,7 @@
 """A copy of the user's scene to render in, so that the user's own data are never changed.
 
 The copy shares objects, collections and the world with the user's scene, and has its own render settings,
-view layers, camera and markers. Nothing has to be restored, since nothing of the user's is written.
+view layers, camera, markers and frame. Nothing has to be restored, since nothing of the user's is written.
 """
 
 from __future__ import annotations
@@ -165,3 +165,22 @@ def _with_what_they_use(kept: set[bpy.types.ID], new: list[bpy.types.ID]) -> set
         if not more:
             return kept
         kept |= more
+
+
+@contextmanager
+def at_frame(scene: bpy.types.Scene, frame: int | None) -> Iterator[None]:
+    """Set a scene to a frame, and back to its own frame at exit; None changes nothing.
+
+    Values of animated properties that were changed but not keyed are lost, as with any change of frame in
+    Blender. Raises InputError if rigid bodies would have to be simulated up to that frame.
+    """
+    if frame is None:
+        yield
+        return
+    before, part = scene.frame_current, scene.frame_subframe
+    try:
+        scene.frame_set(frame)
+        refuse_unbaked_rigid_bodies(scene)
+        yield
+    finally:
+        scene.frame_set(before, subframe=part)

@@ -13,7 +13,7 @@ import pytest
 from radtex_addon.bake.spec import BakeSpec, Kind
 from radtex_addon.job.checks import check_request
 from radtex_addon.scene.checks.camera_checks import camera_materials
-from radtex_addon.scene.checks.enclosing_volumes import volumes_around
+from radtex_addon.scene.checks.see_through import volumes_around
 from tests.blender import stage
 from tests.blender.stage import material, world
 

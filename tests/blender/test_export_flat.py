@@ -19,9 +19,9 @@ from radtex_addon.core.surface import SurfaceMesh
 from radtex_addon.core.texel_map import TexelMap, rasterise
 from radtex_addon.formats.codecs.srgb import to_srgb
 from radtex_addon.forms.layered.capture.panoramas import panorama_directions
-from radtex_addon.forms.layered.flat import mean_of_layered
 from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas
 from radtex_addon.forms.layered.lookup.environment import Around, Pictures
+from radtex_addon.forms.layered.textures import mean_of_layered
 from radtex_addon.textures.flat_lightmap import even_directions, flat_png, mean_of_buckets
 from tests.layered.made_up import made_up_atlas
 

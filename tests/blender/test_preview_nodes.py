@@ -19,11 +19,10 @@ from radtex_addon.core.sampler import Filter
 from radtex_addon.formats.sidecar import Sidecar
 from radtex_addon.formats.transfer_files import TransferSidecar, write_transfer
 from radtex_addon.job import bake_object
-from radtex_addon.preview.lit_material import DIRECTION, IRRADIANCE, first_sun
+from radtex_addon.preview.lit_material import DIRECTION, IRRADIANCE, build_transfer_group, first_sun
 from radtex_addon.preview.material import load_atlas
 from radtex_addon.preview.node_group import build_sample_group
 from radtex_addon.preview.swap import switch_off, switch_on
-from radtex_addon.preview.transfer_group import build_transfer_group
 from radtex_addon.scene.nodes import NodeBuilder, Socket
 from tests.blender import stage
 from tests.blender.lookup_stage import ENGINES, Inputs, LookupStage, Shader, write_exr

@@ -23,7 +23,7 @@ from radtex_addon.forms.layered.files.layered_files import read_layered
 from radtex_addon.forms.layered.lookup.environment import Plane
 from radtex_addon.job import bake_object
 from radtex_addon.preview.lit_material import first_sun
-from radtex_addon.scene.checks.enclosing_volumes import volumes_around
+from radtex_addon.scene.checks.see_through import volumes_around
 from radtex_addon.scene.mesh.render_contents import top_of_render
 from radtex_addon.scene.proxy_content import find_content
 from radtex_addon.scene.scratch import scratch_scene

@@ -39,7 +39,7 @@ from radtex_addon.formats.sidecar import preview_path, read_sidecar
 from radtex_addon.formats.sidecar_file import read_facts
 from radtex_addon.formats.transfer_files import read_transfer, read_transfer_sidecar
 from radtex_addon.forms.layered.files.layered_files import read_layered, read_layered_sidecar
-from radtex_addon.forms.layered.signature import own_texels
+from radtex_addon.forms.layered.textures import own_texels
 from radtex_addon.store.checkpoint import Checkpoint, replaced_by
 from radtex_addon.store.checkpoint_files import KEY
 

@@ -20,7 +20,7 @@ from radtex_addon.forms.layered.files.arrangement import arranged, packed, tiled
 from radtex_addon.forms.layered.files.layered_files import read_layered, write_layered
 from radtex_addon.forms.layered.files.sidecar import MOST_MATERIALS, LayeredSidecar
 from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas, sample_layered
-from radtex_addon.forms.layered.signature import own_texels
+from radtex_addon.forms.layered.textures import own_texels
 from tests.layered.made_up import made_up_atlas, made_up_fragments
 from tests.layered_lookups import everything
 

@@ -1,13 +1,19 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The form of kind `ao`: an image of buckets of one cell, with a direction and an openness."""
+"""The form of kind `ao`: an image of buckets of one cell, with a direction and an openness.
+
+They say how much of the sky each texel sees, and in which direction most of it lies.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Generator
+from dataclasses import replace
 from math import ceil, isqrt, sqrt
+from pathlib import Path
 
 import bpy
+import numpy as np
 
 from ...bake.cost import Cost, cost_of_images
 from ...bake.forms import AMBIENT, FormTraits
@@ -18,21 +24,50 @@ from ...bake.progress import Progress
 from ...bake.spec import BakeSpec
 from ...core.arrays import Floats
 from ...core.atlas import AtlasLayout
+from ...core.hemisphere import occlusion
 from ...core.surface import SurfaceMesh
+from ...formats.bucket_files import write_buckets
 from ...formats.json_reader import Facts
+from ...formats.sidecar import Sidecar
 from ...formats.sidecar_file import SidecarFile
 from ...preview.lit_material import preview_ambient_material
 from ...preview.node_group import check_previewable
 from ...preview.osl import no_script
 from ...textures.export_spec import Step
 from ..bake_job import BakeJob
-from ..buckets.flat import flat_buckets
 from ..buckets.form import Buckets, layout_in
+from ..buckets.textures import flat_buckets
 from ..form import Form, PreviewOf
+from ..occlusion_bake import Captured, capture_occlusion
 from ..outcome import Outcome
-from .bake import bake_ambient
 
 _OPENNESS = slice(3, None)  # the channel
+
+
+def bake_ambient(job: BakeJob) -> Generator[Progress, None, Outcome]:
+    """As `Form.bake`."""
+    captured, spec = (yield from capture_occlusion(job)), job.spec
+    facts = replace(job.prepared.facts(spec), bucket=1, samples=captured.rays, ao_distance=spec.ao_distance)
+    _write(job.place, captured, facts, spec)
+    layout = captured.plan.layout
+    return Outcome(
+        images=(job.sidecar.with_suffix(".exr"),),
+        layout=AtlasLayout(layout.width, layout.height, 1),
+        covered_texels=len(captured.plan.texel),
+        paths=len(captured.plan.texel) * captured.rays,
+        clamped=0,
+    )
+
+
+def _write(path: Path, captured: Captured, facts: Sidecar, spec: BakeSpec) -> None:
+    """Write one value per texel: a bucket of one cell, the mean over all rays."""
+    layout = captured.plan.layout
+    pixels = np.empty((layout.height, layout.width, 4), dtype=np.float32)
+    for band in captured.bands.downwards():
+        bent, ambient = occlusion(band.buckets[..., 0])
+        pixels[band.first : band.end, :, :3] = bent
+        pixels[band.first : band.end, :, 3] = ambient
+    write_buckets(path, pixels, {}, facts, spec.half, spec.compression)
 
 
 class Ambient(Buckets):

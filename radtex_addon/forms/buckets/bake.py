@@ -35,17 +35,15 @@ from ...formats.disk.memory import readable_size
 from ...formats.image_files import layer_path
 from ...formats.sidecar import Content, Sidecar, check_readable
 from ...prepare.prepared import Prepared
-from ...scene.checks.enclosing_volumes import has_volumes
 from ...scene.checks.finite_light import black_bake
+from ...scene.checks.see_through import has_volumes
 from ...scene.lights.light import is_dark
 from ...scene.proxy_content import show_content_only
 from ...scene.scratch import find_view_layer
 from ..bake_job import BakeJob
 from ..outcome import Outcome
-from .accumulate import accumulated
 from .previous_atlas import read_earlier, with_counts
-from .recapture import Recapture, chosen_texels
-from .refresh import refreshed
+from .recapture import Recapture, accumulated, chosen_texels, refreshed
 
 log = logging.getLogger(__name__)
 

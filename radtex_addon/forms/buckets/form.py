@@ -37,9 +37,8 @@ from ..form import Form, Opened, PreviewOf
 from ..hlsl_lookup import HlslLookup
 from ..outcome import Outcome
 from .bake import bake_buckets, bucket_images
-from .flat import flat_buckets, light_channels
 from .hlsl import buckets_lookup
-from .textures import check_buckets, write_buckets
+from .textures import check_buckets, flat_buckets, light_channels, write_buckets
 
 _TEXEL = 80  # bytes per texel in an export, for the flat lightmap and the check that it is of this mesh
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Capture some or all texels of an existing atlas again, each with its own number of samples."""
+"""Capture texels of an atlas again: all for --accumulate, those whose light has changed for --refresh."""
 
 from __future__ import annotations
 
@@ -12,9 +12,10 @@ from pathlib import Path
 import bpy
 import numpy as np
 
+from ...bake.changes import changed_texels
 from ...bake.hidden_cells import HiddenCells, fill_missing
 from ...bake.piece_store import PieceStore, PrefixedStore
-from ...bake.plan import CapturePlan, plan_capture
+from ...bake.plan import CapturePlan, Tile, plan_capture
 from ...bake.progress import Progress, Stage, relayed
 from ...bake.session import fill_atlas
 from ...bake.spec import BakeSpec, Kind
@@ -23,9 +24,13 @@ from ...core.arrays import Bools, Floats, Ints
 from ...core.errors import InputError
 from ...core.texel_map import TexelMap
 from ...cycles.portal import PortalCapture
-from ...scene.checks.enclosing_volumes import has_volumes
+from ...scene.checks.see_through import has_volumes
 from ...scene.scratch import scene_copied
 from .previous_atlas import PreviousAtlas
+
+_CHANGED = "changed"  # a piece's name
+_TILE_PIXELS = 1 << 20
+_SEED = 7919  # added to the seed, so that the probe's paths differ from the atlas's
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,3 +115,83 @@ def chosen_texels(plan: CapturePlan, texels: TexelMap, triangles: Bools | None, 
 def _after(done: int, total: int, step: Progress) -> Progress:
     """The progress of all groups, from that of one."""
     return Progress(step.stage, done + step.done, total) if step.stage is Stage.CAPTURE else step
+
+
+def accumulated(
+    again: Recapture, store: PieceStore, thumbnail: Thumbnail | None
+) -> Generator[Progress, None, tuple[Floats, int, Ints]]:
+    """Add the specification's number of samples to the chosen texels, after those that each texel has.
+
+    Returns the atlas (H*n, W*n, 4) float32, the mean over all samples of each texel; the number of new paths;
+    and the samples per cell that each texel has now, (H, W). Raises BakeError where Cycles fails.
+    """
+    plan, counts = again.plan, again.counts
+    more = np.where(again.chosen, again.spec.samples, 0)
+    before = again.buckets()
+    buckets = before.copy()
+    paths = yield from again.capture(buckets, more, counts, store, thumbnail)
+    some = plan.placed(again.chosen)
+    both = counts + more
+    new, old = (plan.placed(part / both).astype(np.float32)[some] for part in (more, counts))
+    buckets[some] = _weighted(buckets[some], new) + _weighted(before[some], old)
+    yield from again.fill(buckets)
+    return plan.layout.from_buckets(buckets), paths, plan.placed(both, gutter=True)
+
+
+def _weighted(buckets: Floats, share: Floats) -> Floats:
+    weighted: Floats = buckets * share[:, None, None, None]
+    return weighted
+
+
+def refreshed(
+    again: Recapture, store: PieceStore, thumbnail: Thumbnail | None
+) -> Generator[Progress, None, tuple[Floats, int, Ints]]:
+    """Find which of the chosen texels have changed, and capture them again with as many samples as before.
+
+    Returns the atlas (H*n, W*n, 4) float32, otherwise unchanged; the number of paths; and the samples per
+    cell that each texel has, (H, W). Raises BakeError where Cycles fails.
+    """
+    plan, buckets = again.plan, again.buckets()
+    side = _coarser(plan.layout.bucket)
+    probed = again.part(again.chosen, side)
+    kept = store.found(_CHANGED)
+    if kept is None:
+        probe = yield from _probe(again, probed)
+        kept = {"changed": changed_texels(probed, probe, _coarse(buckets, probed))}
+        store.keep(_CHANGED, kept)
+    paths = len(probed.texel) * side**2
+    changed: Bools = np.zeros(len(plan.texel), dtype=bool)
+    changed[again.chosen] = kept["changed"]
+    if changed.any():
+        samples = np.where(changed, again.counts, 0)
+        paths += yield from again.capture(buckets, samples, np.zeros_like(samples), store, thumbnail)
+        yield from again.fill(buckets)
+    return plan.layout.from_buckets(buckets), paths, again.earlier.counts
+
+
+def _coarse(buckets: Floats, probed: CapturePlan) -> Floats:
+    """The atlas's light in the larger cells of a probe, means over the atlas's cells: (K, m, m, C)."""
+    flat = buckets.reshape(-1, *buckets.shape[2:])[probed.texel]
+    count, side = len(flat), probed.layout.bucket
+    fine = flat.shape[1] // side
+    means: Floats = flat.reshape(count, side, fine, side, fine, -1).mean(axis=(2, 4))
+    return means
+
+
+def _probe(again: Recapture, plan: CapturePlan) -> Generator[Progress, None, Floats]:
+    """One path in each cell of all texels of the plan: (K, m, m, 4)."""
+    spec, count = again.spec, len(plan.texel)
+    rows = max(1, _TILE_PIXELS // (plan.columns * plan.layout.bucket**2))
+    found = []
+    with scene_copied(again.scene) as scene:
+        capture = PortalCapture(scene, plan, again.kind, 1, (spec.seed + _SEED) % 2**31, again.folder)
+        for row in range(0, plan.rows, rows):
+            yield Progress(Stage.PROBE, min(row * plan.columns, count), count)
+            found.append(capture.render(Tile(row, min(rows, plan.rows - row))))
+    yield Progress(Stage.PROBE, count, count)
+    return np.concatenate(found)
+
+
+def _coarser(bucket: int) -> int:
+    """Cells along the side of a probe's bucket: a divisor of the atlas's, about half of it."""
+    return max(side for side in range(1, bucket + 1) if bucket % side == 0 and side <= max(2, bucket // 2))

@@ -53,15 +53,13 @@ from .files.arrangement import (
     padded_size,
 )
 from .files.layered_files import read_layered, read_layered_sidecar
-from .flat import flat_layered
 from .hlsl import layered_lookup
 from .lookup.atlas import sample_layered
 from .lookup.blurred_levels import level_count
 from .preview.material import check_layered_previewable, preview_layered_material
 from .preview.osl import add_layered_osl_node
 from .shader_values import exported_facts
-from .signature import own_texels
-from .textures import check_layered_textures, write_layered_textures
+from .textures import check_layered_textures, flat_layered, own_texels, write_layered_textures
 
 _VALUE = 12  # bytes per value in an export, which reads whole images
 

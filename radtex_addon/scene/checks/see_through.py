@@ -4,7 +4,8 @@
 
 Materials are judged by the nodes that feed their output for camera rays: nodes that are not linked, or that a
 Mix Shader leaves out for camera rays, do not count. The materials are those in the object's slots, and those
-that its geometry nodes set.
+that its geometry nodes set. Volumes around an object are found, too: rays that a portal sends into one are
+traced as if outside it.
 """
 
 from __future__ import annotations
@@ -15,8 +16,10 @@ from typing import Any, TypeAlias, cast
 
 import bpy
 
-from ..objects import is_rendered
+from ..objects import about_matrix, is_rendered, world_box
 from ..scratch import find_view_layer
+
+_OUTPUTS = ("OUTPUT_MATERIAL", "OUTPUT_WORLD")
 
 
 def _power(base: float, exponent: float) -> float:
@@ -198,3 +201,43 @@ def _hair(scene: bpy.types.Scene, item: bpy.types.Object) -> Iterator[str]:
         layer = find_view_layer(scene, None)
         shown = (one for one in scene.objects if one.data in grown and is_rendered(one, layer))
         yield from (one.name for one in shown)
+
+
+def volumes_around(layer: bpy.types.ViewLayer, item: bpy.types.Object) -> list[str]:
+    """Names of the rendered volume domains, except `item`, whose bounding boxes meet that of `item`.
+
+    A domain is a volume object, or a mesh whose material has a volume. (The world's volume bakes correctly.)
+    """
+    layer.update()  # or it lists objects that a script has just removed
+    low, high = world_box(item, about_matrix(item, layer))
+    found = []
+    for other in layer.objects:
+        if other == item or not _holds_volume(other) or not is_rendered(other, layer):
+            continue
+        other_low, other_high = world_box(other, about_matrix(other, layer))
+        if (low <= other_high).all() and (other_low <= high).all():
+            found.append(other.name)
+    return found
+
+
+def has_volumes(scene: bpy.types.Scene) -> bool:
+    """Whether rays may meet a volume: any in the file, or the world's.
+
+    Blender 5's Cycles learns from neighbouring pixels how to sample volumes: a picture's bits then depend on
+    how it is cut into tiles.
+    """
+    trees = [material.node_tree for material in bpy.data.materials]
+    if scene.world is not None:
+        trees.append(scene.world.node_tree)
+    return len(bpy.data.volumes) > 0 or any(_puts_volume_out(tree) for tree in trees)
+
+
+def _holds_volume(item: bpy.types.Object) -> bool:
+    if item.type == "VOLUME":
+        return True
+    return any(_puts_volume_out(slot.material.node_tree) for slot in item.material_slots if slot.material)
+
+
+def _puts_volume_out(tree: bpy.types.NodeTree | None) -> bool:
+    outputs = [node for node in tree.nodes if node.type in _OUTPUTS] if tree else []
+    return any(node.inputs["Volume"].is_linked for node in outputs)

@@ -19,8 +19,7 @@ from ...bake.progress import Progress, Stage, Steps, finished
 from ...core.arrays import Bools, Floats, Ints, blocks
 from ...core.frame import normalised
 from ...core.islands import areas_on_surface, components, weld
-from ...core.ray_offset import ray_offset
-from ...core.surface import edge_keys, inner_edges
+from ...core.surface import edge_keys, inner_edges, ray_offset
 from .evaluated import EvaluatedMesh, MeshAttribute
 from .mesh_parts import taken
 from .triangle_tree import triangle_tree

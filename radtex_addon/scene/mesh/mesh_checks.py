@@ -19,15 +19,12 @@ import numpy as np
 from ...core.arrays import Floats, Ints
 from ...core.errors import InputError
 from ...core.islands import areas_on_surface
-from ...core.ray_offset import ray_offset
+from ...core.surface import ray_offset
 from ..checks.refusals import refuse_adaptive_subdivision, refuse_displacement
 
 log = logging.getLogger(__name__)
 
-_TINY, _HUGE = (
-    1e-6,
-    1e9,
-)  # scene units; a tenth of the least or 4 times the most bakes black or clear
+_TINY, _HUGE = 1e-6, 1e9  # scene units; a tenth of the least, 4 times the most bakes black or clear
 _OFF = 0.05  # times the diagonal: rays that start farther from the surface may start behind another object
 _LOST = 5.0  # times the diagonal: beyond this, float32 has too few different values across the object
 FARTHEST = 1e18  # the squares of larger coordinates are not finite in float32

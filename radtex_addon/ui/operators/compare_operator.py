@@ -89,7 +89,7 @@ class RADTEX_OT_compare(AsksFirst, MayWait, OfBake, bpy.types.Operator):
         from ...core.errors import RadTexError
         from ...report.shown import frame_of
         from ...report.side_by_side import ComparisonSpec
-        from ...scene.at_frame import at_frame
+        from ...scene.scratch import at_frame
         from ..settings.preferences import preferred
 
         scene, layer = shown(context)

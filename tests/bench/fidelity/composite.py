@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from radtex_addon.core.ray_offset import ray_offset
+from radtex_addon.core.surface import ray_offset
 from radtex_addon.report.gbuffer import Array, BakedSurface, GBuffer, Rays
 from radtex_addon.report.metrics import Picture
 

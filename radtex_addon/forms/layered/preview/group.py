@@ -23,7 +23,7 @@ from .through import through_group
 CURVES = "curves"  # the image of `curves_of`
 SHOWS_THROUGH = bpy.app.version >= (5, 0)  # else the nodes overflow the stack of 4.5's Cycles
 _STEEP, _LEAST_COSINE, _LEAST_LEFT = 0.3, 1e-3, 0.5  # as in lookup.atlas
-_KEPT, _EDGE = 2.56, 0.04  # as in lookup.visibility
+_KEPT, _EDGE = 2.56, 0.04  # as in lookup.lobes
 
 _Images = Mapping[str, bpy.types.Image]
 
@@ -167,7 +167,7 @@ def _mirrored_group(
 def _lobe_group(around: bpy.types.ShaderNodeTree, cells: int) -> bpy.types.ShaderNodeTree:
     """One lobe's Weight times what it sees: the surroundings where they are Free, else the object Itself.
 
-    The mask is sharpened as `lookup.visibility.seen_free` does.
+    The mask is sharpened as `lookup.lobes.seen_free` does.
     """
     build, (offset, axis, weight, spread, itself, free) = open_group(
         "RadTex Lobe",
