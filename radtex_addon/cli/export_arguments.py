@@ -9,6 +9,7 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 
 from ..bake.layers import Layer
+from ..bake.targets import MOST_PIXELS
 from ..core.errors import InputError
 from ..textures.export_spec import Arrangement, ExportSpec, Target, TextureFormat
 from .options import (
@@ -113,10 +114,17 @@ def _add_what(group: argparse._ArgumentGroup) -> None:
         "--to",
         Target,
         None,
-        "web: a page for any static server; godot: a project; unity, unreal: a shader, and a script for the "
-        "editor; gltf: mesh, textures and shader includes; raw: the same with the includes of all languages",
+        "; ".join(f"{', '.join(targets)}: {words}" for words, targets in _by_help().items()),
         dest="target",
     )
+
+
+def _by_help() -> dict[str, list[Target]]:
+    """The texts of the targets' help, and whose they are: those that bring what shows them come first."""
+    found: dict[str, list[Target]] = {}
+    for target in sorted(Target, key=lambda target: bool(target.traits.languages)):
+        found.setdefault(target.traits.help, []).append(target)
+    return found
 
 
 def _add_scene(group: argparse._ArgumentGroup) -> None:
@@ -159,6 +167,11 @@ def _add_textures(group: argparse._ArgumentGroup) -> None:
         "of layout buckets; matrix: as in the bake; slices: a texture array with a layer for each cell, "
         "which hardware filters",
     )
+    smaller = ", ".join(
+        f"{target.traits.most_pixels} for {target.traits.called or target.traits.title}"
+        for target in Target
+        if target.traits.most_pixels < MOST_PIXELS
+    )
     add_number(
         group, "--levels", "levels", "N", "mip levels, for objects far away (default: as many as fit)", None
     )
@@ -168,7 +181,7 @@ def _add_textures(group: argparse._ArgumentGroup) -> None:
         "limit",
         "PIXELS",
         "the most pixels along a texture's side: a larger matrix is split "
-        "(default: 8192 for the web, else 16384)",
+        f"(default: {smaller}, else {MOST_PIXELS})",
         None,
     )
 
@@ -177,7 +190,8 @@ def _add_mirror(group: argparse._ArgumentGroup) -> None:
     group.add_argument(
         "--mirror",
         action="store_true",
-        help="for web and godot: a chrome ball that moves and mirrors the bake, by a ray for each fragment",
+        help=f"for {' and '.join(target for target in Target if target.traits.mirror)}: a chrome ball that "
+        "moves and mirrors the bake, by a ray for each fragment",
     )
     group.add_argument(
         "--mirror-sky",

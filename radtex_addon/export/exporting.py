@@ -12,6 +12,7 @@ from pathlib import Path
 
 import bpy
 
+from ..bake.targets import check_target
 from ..core.errors import FormatError, InputError
 from ..core.messages import Setting, do
 from ..core.quoting import printable
@@ -22,6 +23,7 @@ from ..formats.sidecar_file import AnySidecar, SidecarFile, opened
 from ..forms import Form, form_in
 from ..scene.mesh.backs import twin_numbers
 from ..scene.preview_file import baked_copy, check_preview, surface_of
+from ..textures.choice import check_importable
 from ..textures.entry import TextureEntry
 from ..textures.export_spec import ExportSpec, Step, Target, Task
 from ..textures.flat_lightmap import flat_png
@@ -32,7 +34,6 @@ from .folder import check_out, files_in, replacing_folder
 from .gltf import check_exporter, write_gltf
 from .mirror import check_mirror, materials_of, write_mirror
 from .pack import Pack
-from .target_checks import check_importable, check_target
 from .web import check_page, write_web
 from .write_godot import write_godot
 from .write_unity import write_unity

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from ..textures.choice import in_blocks
-from ..textures.export_spec import ExportSpec, Target, TextureFormat
+from ..textures.export_spec import ExportSpec, TextureFormat
 from .exporting import ExportSource
 
 _LEVELS = 4 / 3  # all mip levels together, relative to the first
@@ -19,7 +19,6 @@ _BYTES = {
     TextureFormat.DDS_BC6H: _BLOCKS,
     TextureFormat.DDS_RGBA16F: _FLOATS,
 }
-_AUTO = {Target.UNITY: _BLOCKS, Target.UNREAL: _FLOATS}  # bytes a pixel of opaque light; others get RGB9E5
 
 
 def about_texture_bytes(bake: ExportSource, spec: ExportSpec) -> float:
@@ -37,4 +36,4 @@ def about_texture_bytes(bake: ExportSource, spec: ExportSpec) -> float:
 
 
 def _bytes(spec: ExportSpec) -> int:
-    return _BYTES.get(spec.format) or _AUTO.get(spec.target, _SHARED)
+    return _BYTES[spec.target.traits.auto if spec.format is TextureFormat.AUTO else spec.format]

@@ -14,6 +14,7 @@ from collections.abc import Iterator
 import pytest
 
 from radtex_addon.bake.kinds import KINDS, Kind, Layout, Light
+from radtex_addon.bake.targets import Target, targets_of
 from tests.package import support_matrix
 from tests.package.test_layers import PACKAGE
 
@@ -64,7 +65,7 @@ def test_every_kind_has_a_row() -> None:
 def test_the_web_page_has_the_tables_kinds() -> None:
     text = WEB_PAGE.read_text(encoding="utf-8")
     (union,) = re.findall(r"export type Kind = ([^;]*);", text)
-    assert re.findall(r'"(\w+)"', union) == [kind for kind, row in KINDS.items() if "web" in row.exports]
+    assert re.findall(r'"(\w+)"', union) == [kind for kind in KINDS if Target.WEB in targets_of(kind)]
 
 
 def test_the_web_page_lights_what_depends_on_lamps() -> None:
