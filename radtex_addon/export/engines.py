@@ -5,37 +5,47 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from functools import partial
+from itertools import chain
 from pathlib import Path
 
+from ..bake.targets import Target
 from ..core.quoting import in_comment
 from ..textures.entry import Container, TextureEntry
-from ..textures.export_spec import Target
-from .export_manifest import Manifest
-from .pack import SHADERS, Pack
+from .export_manifest import EXTENSION, Manifest
+from .pack import SHADERS, Pack, write_text_file
+from .scene_manifest import SceneEntry, ScenePack
+from .targets import Writer
 
-_LANGUAGES = {
-    Target.GLTF: ("glsl",),
-    Target.RAW: ("glsl", "hlsl", "wgsl", "gdshaderinc", "osl"),
-}
-_WHERE = {
-    Target.GLTF: "Any program opens the .glb; one that knows no radiance textures shows the flat lightmap.",
-    Target.RAW: "The includes say at their top how they are called.",
-}
 _FIRST_ROW = "first row: v = {}"
-IMPORT_LINES = (  # of README.txt
+_IMPORT_LINES = (  # of README.txt
     "Import textures whose format ends in _SRGB as sRGB, all others as linear data; with no compression",
     "and no mipmaps but their own.",
 )
 
 
-def write_engine(pack: Pack, folder: Path) -> None:
-    """Add the shader includes that the bake's layout needs, and a README.txt, to a pack's folder."""
-    copy_includes(includes(pack.spec.target, pack), folder)
-    (folder / "README.txt").write_text(readme(pack), encoding="utf-8", newline="\n")
+def engine_writer(where: str) -> Writer:
+    """The writer of a folder with shader includes and a README.txt; `where` is the last line for one bake."""
+    return Writer(partial(_write, where=where), _write_scene)
 
 
-def copy_includes(sources: Iterable[Path], folder: Path) -> None:
+def _write(pack: Pack, folder: Path, where: str) -> None:
+    _copy_includes(_includes(pack.manifest, pack.spec.target), folder)
+    _write_readme([*_lines(pack), where], folder)
+
+
+def _write_scene(pack: ScenePack, folder: Path) -> None:
+    found = (_includes(manifest, pack.spec.target) for manifest in pack.manifests)
+    _copy_includes(dict.fromkeys(chain.from_iterable(found)), folder)
+    _write_readme(_lines_of_scene(pack), folder)
+
+
+def _write_readme(lines: Iterable[str], folder: Path) -> None:
+    write_text_file(folder / "README.txt", "".join(f"{in_comment(line)}\n" for line in lines))
+
+
+def _copy_includes(sources: Iterable[Path], folder: Path) -> None:
     """Copy shader includes and their licence into the folder `shaders` of an export."""
     shaders = folder / "shaders"
     shaders.mkdir()
@@ -43,30 +53,62 @@ def copy_includes(sources: Iterable[Path], folder: Path) -> None:
         shutil.copyfile(source, shaders / source.name)
 
 
-def includes(target: Target, pack: Pack) -> list[Path]:
+def _includes(manifest: Manifest, target: Target) -> list[Path]:
     """The shader includes to look the bake up, in the languages of the target."""
-    stems = pack.manifest.form.includes(pack.manifest.bake)
-    found = [SHADERS / f"{stem}.{ending}" for ending in _LANGUAGES[target] for stem in stems]
-    if "wgsl" in _LANGUAGES[target]:
+    stems, languages = manifest.form.includes(manifest.bake), target.traits.languages
+    found = [SHADERS / f"{stem}.{ending}" for ending in languages for stem in stems]
+    if "wgsl" in languages:
         found.append(SHADERS / "radtex_pages.wgsl")
     return [path for path in found if path.is_file()]
 
 
-def readme(pack: Pack) -> str:
-    """The text of README.txt: the files in the folder, and how to look the bake up."""
-    manifest, target = pack.manifest, pack.spec.target
-    lines = [
+def _lines(pack: Pack) -> list[str]:
+    """The lines of README.txt but the last: the files in the folder, and how to look the bake up."""
+    manifest = pack.manifest
+    return [
         f"{manifest.name}: a radiance texture, made by {manifest.tool}",
         "",
         *file_lines(manifest, "TEXCOORD_0 is the baked UV layer, NORMAL and TANGENT its frame."),
         "shaders/: the includes to look it up by (MIT licence).",
         "",
-        *manifest.form.usage(manifest.bake, manifest.textures, target),
+        *manifest.form.usage(manifest.bake, manifest.textures, pack.spec.target),
         "",
-        *IMPORT_LINES,
-        _WHERE[target],
+        *_IMPORT_LINES,
     ]
-    return "".join(f"{in_comment(line)}\n" for line in lines)
+
+
+def _lines_of_scene(pack: ScenePack) -> Iterator[str]:
+    """The lines of README.txt: the files, the nodes, and how each bake is looked up."""
+    yield f"{pack.name}: a scene of {len(pack.manifests)} radiance textures, made by {pack.manifests[0].tool}"
+    yield ""
+    yield f"{pack.mesh}: the meshes, a node for each object. TEXCOORD_0 is the baked UV layer, NORMAL and"
+    yield "TANGENT its frame."
+    yield f"{pack.name}.{EXTENSION}: which node has which textures, for programs."
+    yield "shaders/: the includes to look them up by (MIT licence)."
+    yield ""
+    for entry in pack.entries:
+        yield _node(entry)
+    for manifest in pack.manifests:
+        yield from _bake(manifest, pack)
+    yield ""
+    yield from _IMPORT_LINES
+
+
+def _node(entry: SceneEntry) -> str:
+    levels = ", ".join(level.node for level in entry.levels)
+    return f"node {entry.node}: {entry.manifest.name}" + (f"; farther away {levels}" if levels else "")
+
+
+def _bake(manifest: Manifest, pack: ScenePack) -> Iterator[str]:
+    bake = manifest.bake
+    width, height = bake["texels"]
+    yield ""
+    yield f"{manifest.name}"
+    yield f"layout {bake['layout']}, {width} x {height} texels of {bake['bucket']} x {bake['bucket']} cells"
+    yield f"{manifest.flat}: a flat lightmap, the mean of each texel's light; also inside {pack.mesh}."
+    for layer, entry in manifest.textures.items():
+        yield _described(layer, entry)
+    yield from manifest.form.usage(bake, manifest.textures, pack.spec.target)
 
 
 def file_lines(manifest: Manifest, mesh: str) -> list[str]:
@@ -77,13 +119,13 @@ def file_lines(manifest: Manifest, mesh: str) -> list[str]:
         f"{manifest.mesh}: the mesh. {mesh}",
         f"{manifest.flat}: a flat lightmap, the mean of each texel's light; also inside the mesh's file.",
         f"{manifest.name}.export.json: all of this for programs.",
-        *(described(layer, entry) for layer, entry in manifest.textures.items()),
+        *(_described(layer, entry) for layer, entry in manifest.textures.items()),
         f"layout {bake['layout']}, {width} x {height} texels of {bake['bucket']} x {bake['bucket']} cells",
     ]
     return list(map(in_comment, lines))
 
 
-def described(layer: str, entry: TextureEntry) -> str:
+def _described(layer: str, entry: TextureEntry) -> str:
     """A line of README.txt on a texture."""
     width, height = entry.size
     layers = f" x {entry.layers} layers" if entry.layers > 1 else ""

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Generator, Mapping, Sequence
+from collections.abc import Generator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -28,26 +28,14 @@ from ..textures.entry import TextureEntry
 from ..textures.export_spec import ExportSpec, Step, Target, Task
 from ..textures.flat_lightmap import flat_png
 from ..version import VERSION
-from .engines import write_engine
 from .export_manifest import EXTENSION, Manifest, write_manifest
 from .folder import check_out, files_in, replacing_folder
 from .gltf import check_exporter, write_gltf
 from .mirror import check_mirror, materials_of, write_mirror
 from .pack import Pack
-from .web import check_page, write_web
-from .write_godot import write_godot
-from .write_unity import write_unity
-from .write_unreal import write_unreal
+from .targets import writer_of
 
 _LEAST_BYTES = 192 * 2**20  # memory of any export: a few bands of rows, the mesh, the mesh's file
-_WRITERS: dict[Target, Callable[[Pack, Path], None]] = {
-    Target.WEB: write_web,
-    Target.GODOT: write_godot,
-    Target.GLTF: write_engine,
-    Target.UNITY: write_unity,
-    Target.UNREAL: write_unreal,
-    Target.RAW: write_engine,
-}
 
 
 @dataclass(frozen=True)
@@ -133,11 +121,10 @@ def _check_layers(bake: ExportSource, spec: ExportSpec) -> None:
 def check_writer(target: Target) -> None:
     """Check, even before a bake, what every export for the `target` needs.
 
-    Raises InputError if this Blender has no glTF exporter, or this copy of RadTex no web page.
+    Raises InputError if this Blender has no glTF exporter, or this copy of RadTex lacks the target's files.
     """
     check_exporter()
-    if target is Target.WEB:
-        check_page()
+    writer_of(target).check()
 
 
 def check_folders_differ(outs: Sequence[Path]) -> None:
@@ -186,7 +173,7 @@ def export_steps(
     with replacing_folder(out) as folder:
         pack = yield from _pack(bake, spec, folder)
         yield Step(Task.PACK, 0, 1)
-        _WRITERS[spec.target](pack, folder)
+        writer_of(spec.target).write(pack, folder)
         made = Exported.of(folder, out, bake.name, spec.target)
     return made
 

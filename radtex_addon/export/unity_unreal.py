@@ -12,6 +12,7 @@ from ..core.frame import normalised
 from ..formats.containers.glb import Glb
 from ..forms.hlsl_lookup import Number
 from ..scene.mesh.copy import MATERIAL
+from ..textures.entry import TextureEntry
 from .node_matrix import baked_matrix
 
 ATTRIBUTES = "TEXCOORD_0 is the baked UV layer, TEXCOORD_1 to 4 its frame."  # for a README
@@ -34,6 +35,11 @@ def constant_lines(constants: Iterable[Number]) -> str:
         else:
             lines.append(f"static const {each.kind} {each.name} = {each.rows[0]};")
     return "\n".join(lines)
+
+
+def texture_type(entry: TextureEntry) -> str:
+    """A texture's type in HLSL."""
+    return "Texture2DArray" if entry.layers > 1 else "Texture2D"
 
 
 def material_numbers(glb: Glb) -> dict[str, int]:

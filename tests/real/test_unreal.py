@@ -20,8 +20,8 @@ from radtex_addon.core.arrays import Floats
 from radtex_addon.export.export_manifest import read_manifest
 from radtex_addon.export.exporting import export_steps
 from radtex_addon.export.node_matrix import baked_matrix
-from radtex_addon.export.templates import filled
-from radtex_addon.export.write_unreal import (
+from radtex_addon.export.pack import filled
+from radtex_addon.export.targets.unreal import (
     SCRIPT,
     TEMPLATES,
     custom_text,

@@ -11,18 +11,16 @@ from pathlib import Path
 
 import numpy as np
 
-from ..bake.kinds import Kind
-from ..core.arrays import Floats
-from ..core.quoting import csharp_string, in_comment, shaderlab_string
-from ..formats.containers.glb import Glb
-from ..forms.hlsl_lookup import ARGUMENTS, HlslLookup, numbers
-from ..textures.entry import TextureEntry
-from ..textures.export_spec import Target
-from .engines import file_lines
-from .node_matrix import baked_matrix
-from .pack import SHADERS, Pack
-from .templates import filled, write_text_file
-from .unity_unreal import (
+from ...bake.kinds import Kind
+from ...bake.targets import Target
+from ...core.arrays import Floats
+from ...core.quoting import csharp_string, in_comment, shaderlab_string
+from ...formats.containers.glb import Glb
+from ...forms.hlsl_lookup import ARGUMENTS, HlslLookup, numbers
+from ..engines import file_lines
+from ..node_matrix import baked_matrix
+from ..pack import SHADERS, Pack, filled, write_text_file
+from ..unity_unreal import (
     ATTRIBUTES,
     carry_frame,
     constant_lines,
@@ -30,7 +28,9 @@ from .unity_unreal import (
     indented,
     is_clear,
     material_numbers,
+    texture_type,
 )
+from . import Writer
 
 TEMPLATES = SHADERS / "unity"
 SHARED = "radtex_unity.hlsl"  # the one file of TEMPLATES that is copied as it is
@@ -107,11 +107,6 @@ def shader_text(name: str, title: str, lookup: HlslLookup, clear: bool, culled: 
     return filled(TEMPLATES / "object.shader", words)
 
 
-def texture_type(entry: TextureEntry) -> str:
-    """A texture's type in HLSL."""
-    return "Texture2DArray" if entry.layers > 1 else "Texture2D"
-
-
 def _of_materials(lookup: HlslLookup) -> str:
     """The constants of each material, chosen by a keyword."""
     if len(lookup.materials) == 1:
@@ -153,3 +148,6 @@ def identifier(name: str, kind: str) -> str:
 
 def _inside_quotes(text: str) -> str:
     return csharp_string(text)[1:-1]
+
+
+WRITER = Writer(write_unity)
