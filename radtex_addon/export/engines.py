@@ -71,7 +71,7 @@ def _lines(pack: Pack) -> list[str]:
         *file_lines(manifest, "TEXCOORD_0 is the baked UV layer, NORMAL and TANGENT its frame."),
         "shaders/: the includes to look it up by (MIT licence).",
         "",
-        *manifest.form.usage(manifest.bake, manifest.textures, pack.spec.target),
+        *manifest.form.usage(manifest.bake, manifest.textures),
         "",
         *_IMPORT_LINES,
     ]
@@ -108,7 +108,7 @@ def _bake(manifest: Manifest, pack: ScenePack) -> Iterator[str]:
     yield f"{manifest.flat}: a flat lightmap, the mean of each texel's light; also inside {pack.mesh}."
     for layer, entry in manifest.textures.items():
         yield _described(layer, entry)
-    yield from manifest.form.usage(bake, manifest.textures, pack.spec.target)
+    yield from manifest.form.usage(bake, manifest.textures)
 
 
 def file_lines(manifest: Manifest, mesh: str) -> list[str]:
