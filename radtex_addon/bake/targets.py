@@ -53,6 +53,7 @@ class TextureFormat(StrEnum):
 
 
 EVERY_FORMAT = frozenset(TextureFormat)
+_IMPORTED = frozenset((TextureFormat.AUTO, TextureFormat.EXR, TextureFormat.DDS_RGBA16F))  # by engines
 MOST_PIXELS = 16384  # along a side, for targets without a limit of their own
 
 
@@ -96,70 +97,44 @@ class TargetTraits:
 
 _ENGINE_HELP = "a shader, and a script for the editor"
 
-TARGETS: dict[Target, TargetTraits] = {  # as messages list them; menus have the order of `Target`
+# As messages list them; menus have the order of `Target`.
+# fmt: off
+TARGETS: dict[Target, TargetTraits] = {
     Target.WEB: TargetTraits(
-        title="Web",
-        tooltip="A page that shows the object in a browser, by three.js",
-        help="a page for any static server",
+        "Web", "A page that shows the object in a browser, by three.js",
+        help="a page for any static server", called="the web",
         next_step="Show in Browser opens it. On a site of your own, any web server will do",
-        called="the web",
         formats=frozenset((TextureFormat.AUTO, TextureFormat.KTX2_RGBA16F, TextureFormat.KTX2_RGB9E5)),
-        most_pixels=8192,
-        mirror=True,
-    ),
+        most_pixels=8192, mirror=True),
     Target.GODOT: TargetTraits(
-        title="Godot",
-        tooltip="A project that opens and runs, and the addon by which any project shows bakes",
-        help="a project",
-        next_step="Open project.godot in Godot 4, and press F5",
-        formats=EVERY_FORMAT - {TextureFormat.EXR},
-        mirror=True,
+        "Godot", "A project that opens and runs, and the addon by which any project shows bakes",
+        help="a project", next_step="Open project.godot in Godot 4, and press F5",
+        formats=EVERY_FORMAT - {TextureFormat.EXR}, mirror=True,
         light_blocks=False,  # its Compatibility renderer may decompress BC6H to 8 bits
-        ktx2_arrays=False,
-        srgb=False,
-        all_levels=True,
-    ),
+        ktx2_arrays=False, srgb=False, all_levels=True),
     Target.RAW: TargetTraits(
-        title="Raw",
-        tooltip="A mesh, textures and all shader includes, for an engine of your own",
+        "Raw", "A mesh, textures and all shader includes, for an engine of your own",
         help="the same with the includes of all languages",
         next_step="For an engine of your own: take the shader include of its language",
-        languages=("glsl", "hlsl", "wgsl", "gdshaderinc", "osl"),
-        blocks=False,  # what the bake holds, as it is
-    ),
+        languages=("glsl", "hlsl", "wgsl", "gdshaderinc", "osl"), blocks=False),
     Target.GLTF: TargetTraits(
-        title="glTF",
-        tooltip="A .glb whose material names the textures",
-        help="mesh, textures and shader includes",
-        next_step="Every viewer shows the flat lightmap; the light of each direction needs the shader "
-        "beside it",
-        languages=("glsl",),
-    ),
+        "glTF", "A .glb whose material names the textures",
+        help="mesh, textures and shader includes", languages=("glsl",),
+        next_step="Every viewer shows the flat lightmap; the light of each direction needs the shader beside "
+        "it"),
     Target.UNITY: TargetTraits(
-        title="Unity",
-        tooltip="A mesh, DDS textures, a shader, and a script that sets all up",
-        help=_ENGINE_HELP,
+        "Unity", "A mesh, DDS textures, a shader, and a script that sets all up", help=_ENGINE_HELP,
         next_step="Copy the folder into Assets without .unity in its name, then Assets > RadTex > Set up",
-        auto=TextureFormat.DDS_BC6H,
-        formats=frozenset(
-            (TextureFormat.AUTO, TextureFormat.EXR, TextureFormat.DDS_BC6H, TextureFormat.DDS_RGBA16F)
-        ),
-        needs_hlsl=True,
-        turns_exr=True,
-    ),
+        auto=TextureFormat.DDS_BC6H, formats=_IMPORTED | {TextureFormat.DDS_BC6H}, needs_hlsl=True,
+        turns_exr=True),
     Target.UNREAL: TargetTraits(
-        title="Unreal",
-        tooltip="A mesh, DDS textures, and a script that imports them and makes the material",
-        help=_ENGINE_HELP,
-        next_step="In the editor: Tools > Execute Python Script, the .py of the folder",
-        auto=TextureFormat.DDS_RGBA16F,
-        formats=frozenset((TextureFormat.AUTO, TextureFormat.EXR, TextureFormat.DDS_RGBA16F)),
-        needs_hlsl=True,
+        "Unreal", "A mesh, DDS textures, and a script that imports them and makes the material",
+        help=_ENGINE_HELP, next_step="In the editor: Tools > Execute Python Script, the .py of the folder",
+        auto=TextureFormat.DDS_RGBA16F, formats=_IMPORTED, needs_hlsl=True,
         blocks=False,  # it compresses what it imports itself
-        arrays=False,
-        odd_levels=False,
-    ),
+        arrays=False, odd_levels=False),
 }
+# fmt: on
 
 
 def targets_of(kind: Kind) -> list[Target]:
@@ -171,8 +146,6 @@ def check_target(bake: Path | str, kind: str, target: Target) -> None:
     """Raise InputError, naming the `bake`, if the target cannot show bakes of its kind."""
     if kind not in tuple(Kind):
         raise InputError(f"{bake} is of kind {kind}, which this RadTex does not export: update RadTex")
-    takers = targets_of(Kind(kind))
-    if target not in takers:
-        raise InputError(
-            f"{bake} is of kind {kind}, which {target} does not show: choose {', '.join(takers)}"
-        )
+    if target not in (takers := targets_of(Kind(kind))):
+        words = ", ".join(takers)
+        raise InputError(f"{bake} is of kind {kind}, which {target} does not show: choose {words}")

@@ -6,10 +6,11 @@ from __future__ import annotations
 
 import argparse
 from dataclasses import dataclass, fields
+from itertools import groupby
 from pathlib import Path
 
 from ..bake.layers import Layer
-from ..bake.targets import MOST_PIXELS
+from ..bake.targets import MOST_PIXELS, TARGETS
 from ..core.errors import InputError
 from ..textures.export_spec import Arrangement, ExportSpec, Target, TextureFormat
 from .options import (
@@ -109,22 +110,10 @@ def _add_what(group: argparse._ArgumentGroup) -> None:
         "bakes", nargs="*", metavar="DIR", help="the folder of a bake, or its sidecar's .json; or several"
     )
     group.add_argument("--object", metavar="NAME", help="whose bake, if there are several in the folder")
-    add_choice(
-        group,
-        "--to",
-        Target,
-        None,
-        "; ".join(f"{', '.join(targets)}: {words}" for words, targets in _by_help().items()),
-        dest="target",
-    )
-
-
-def _by_help() -> dict[str, list[Target]]:
-    """The texts of the targets' help, and whose they are: those that bring what shows them come first."""
-    found: dict[str, list[Target]] = {}
-    for target in sorted(Target, key=lambda target: bool(target.traits.languages)):
-        found.setdefault(target.traits.help, []).append(target)
-    return found
+    ordered = sorted(Target, key=lambda target: bool(target.traits.languages))  # what is ready to run first
+    told = groupby(ordered, key=lambda target: target.traits.help)
+    text = "; ".join(f"{', '.join(targets)}: {words}" for words, targets in told)
+    add_choice(group, "--to", Target, None, text, dest="target")
 
 
 def _add_scene(group: argparse._ArgumentGroup) -> None:
@@ -167,11 +156,8 @@ def _add_textures(group: argparse._ArgumentGroup) -> None:
         "of layout buckets; matrix: as in the bake; slices: a texture array with a layer for each cell, "
         "which hardware filters",
     )
-    smaller = ", ".join(
-        f"{target.traits.most_pixels} for {target.traits.called or target.traits.title}"
-        for target in Target
-        if target.traits.most_pixels < MOST_PIXELS
-    )
+    limits = (row for row in TARGETS.values() if row.most_pixels < MOST_PIXELS)
+    smaller = ", ".join(f"{row.most_pixels} for {row.called or row.title}" for row in limits)
     add_number(
         group, "--levels", "levels", "N", "mip levels, for objects far away (default: as many as fit)", None
     )

@@ -7,18 +7,14 @@ from __future__ import annotations
 import shutil
 from collections.abc import Iterable, Iterator
 from functools import partial
-from itertools import chain
 from pathlib import Path
 
-from ..bake.targets import Target
 from ..core.quoting import in_comment
 from ..textures.entry import Container, TextureEntry
 from .export_manifest import EXTENSION, Manifest
-from .pack import SHADERS, Pack, write_text_file
-from .scene_manifest import SceneEntry, ScenePack
+from .pack import SHADERS, Pack, ScenePack, write_text_file
 from .targets import Writer
 
-_FIRST_ROW = "first row: v = {}"
 _IMPORT_LINES = (  # of README.txt
     "Import textures whose format ends in _SRGB as sRGB, all others as linear data; with no compression",
     "and no mipmaps but their own.",
@@ -31,41 +27,9 @@ def engine_writer(where: str) -> Writer:
 
 
 def _write(pack: Pack, folder: Path, where: str) -> None:
-    _copy_includes(_includes(pack.manifest, pack.spec.target), folder)
-    _write_readme([*_lines(pack), where], folder)
-
-
-def _write_scene(pack: ScenePack, folder: Path) -> None:
-    found = (_includes(manifest, pack.spec.target) for manifest in pack.manifests)
-    _copy_includes(dict.fromkeys(chain.from_iterable(found)), folder)
-    _write_readme(_lines_of_scene(pack), folder)
-
-
-def _write_readme(lines: Iterable[str], folder: Path) -> None:
-    write_text_file(folder / "README.txt", "".join(f"{in_comment(line)}\n" for line in lines))
-
-
-def _copy_includes(sources: Iterable[Path], folder: Path) -> None:
-    """Copy shader includes and their licence into the folder `shaders` of an export."""
-    shaders = folder / "shaders"
-    shaders.mkdir()
-    for source in (*sources, SHADERS / "LICENSE"):
-        shutil.copyfile(source, shaders / source.name)
-
-
-def _includes(manifest: Manifest, target: Target) -> list[Path]:
-    """The shader includes to look the bake up, in the languages of the target."""
-    stems, languages = manifest.form.includes(manifest.bake), target.traits.languages
-    found = [SHADERS / f"{stem}.{ending}" for ending in languages for stem in stems]
-    if "wgsl" in languages:
-        found.append(SHADERS / "radtex_pages.wgsl")
-    return [path for path in found if path.is_file()]
-
-
-def _lines(pack: Pack) -> list[str]:
-    """The lines of README.txt but the last: the files in the folder, and how to look the bake up."""
     manifest = pack.manifest
-    return [
+    _copy_includes(pack, folder)
+    lines = [
         f"{manifest.name}: a radiance texture, made by {manifest.tool}",
         "",
         *file_lines(manifest, "TEXCOORD_0 is the baked UV layer, NORMAL and TANGENT its frame."),
@@ -74,7 +38,29 @@ def _lines(pack: Pack) -> list[str]:
         *manifest.form.usage(manifest.bake, manifest.textures),
         "",
         *_IMPORT_LINES,
+        where,
     ]
+    _write_readme(lines, folder)
+
+
+def _write_scene(pack: ScenePack, folder: Path) -> None:
+    _copy_includes(pack, folder)
+    _write_readme(_lines_of_scene(pack), folder)
+
+
+def _write_readme(lines: Iterable[str], folder: Path) -> None:
+    write_text_file(folder / "README.txt", "".join(f"{in_comment(line)}\n" for line in lines))
+
+
+def _copy_includes(pack: Pack | ScenePack, folder: Path) -> None:
+    """Copy the shader includes that look the bakes up, in the target's languages, into `shaders`."""
+    languages = pack.spec.target.traits.languages
+    stems = {stem for manifest in pack.manifests for stem in manifest.form.includes(manifest.bake)}
+    names = [f"{stem}.{ending}" for ending in languages for stem in stems]
+    (folder / "shaders").mkdir()
+    for name in (*names, *(["radtex_pages.wgsl"] * ("wgsl" in languages)), "LICENSE"):
+        if (SHADERS / name).is_file():
+            shutil.copyfile(SHADERS / name, folder / "shaders" / name)
 
 
 def _lines_of_scene(pack: ScenePack) -> Iterator[str]:
@@ -87,16 +73,12 @@ def _lines_of_scene(pack: ScenePack) -> Iterator[str]:
     yield "shaders/: the includes to look them up by (MIT licence)."
     yield ""
     for entry in pack.entries:
-        yield _node(entry)
+        farther = ", ".join(level.node for level in entry.levels)
+        yield f"node {entry.node}: {entry.manifest.name}" + (f"; farther away {farther}" if farther else "")
     for manifest in pack.manifests:
         yield from _bake(manifest, pack)
     yield ""
     yield from _IMPORT_LINES
-
-
-def _node(entry: SceneEntry) -> str:
-    levels = ", ".join(level.node for level in entry.levels)
-    return f"node {entry.node}: {entry.manifest.name}" + (f"; farther away {levels}" if levels else "")
 
 
 def _bake(manifest: Manifest, pack: ScenePack) -> Iterator[str]:
@@ -130,5 +112,5 @@ def _described(layer: str, entry: TextureEntry) -> str:
     width, height = entry.size
     layers = f" x {entry.layers} layers" if entry.layers > 1 else ""
     levels = f", {entry.levels} mip levels" if entry.levels > 1 else ""
-    first = _FIRST_ROW.format("1, the top" if entry.container is Container.EXR else "0, the bottom")
-    return f"{entry.file}: {layer}, {entry.format}, {width} x {height}{layers}{levels}; {first}"
+    first = "v = 1, the top" if entry.container is Container.EXR else "v = 0, the bottom"
+    return f"{entry.file}: {layer}, {entry.format}, {width} x {height}{layers}{levels}; first row: {first}"

@@ -23,18 +23,19 @@ from ..formats.sidecar_file import AnySidecar, SidecarFile, opened
 from ..forms import Form, form_in
 from ..scene.mesh.backs import twin_numbers
 from ..scene.preview_file import baked_copy, check_preview, surface_of
-from ..textures.choice import check_importable
+from ..textures.choice import check_importable, pixel_bytes
 from ..textures.entry import TextureEntry
-from ..textures.export_spec import ExportSpec, Step, Target, Task
+from ..textures.export_spec import ExportSpec, Step, Target, Task, TextureFormat
 from ..textures.flat_lightmap import flat_png
 from ..version import VERSION
-from .export_manifest import EXTENSION, Manifest, write_manifest
-from .folder import check_out, files_in, replacing_folder
+from .export_manifest import EXTENSION, Manifest, read_manifest, write_manifest
+from .folder import check_out, files_in, is_export, is_whole, replacing_folder
 from .gltf import check_exporter, write_gltf
 from .mirror import check_mirror, materials_of, write_mirror
 from .pack import Pack
 from .targets import writer_of
 
+_LEVELS = 4 / 3  # all mip levels together, relative to the first
 _LEAST_BYTES = 192 * 2**20  # memory of any export: a few bands of rows, the mesh, the mesh's file
 
 
@@ -226,3 +227,37 @@ def manifest_of(
         flat_scale=flat.scale,
         culled=bake.form.traits.backs and twin_numbers(copy.data) is not None,
     )
+
+
+def about_texture_bytes(bake: ExportSource, spec: ExportSpec) -> float:
+    """Bytes of the textures before Zstandard packs them, for light without alpha; reads no images."""
+    form, shapes = bake.form.traits, bake.form.shapes(bake.sidecar).values()
+    if form.bits:
+        return float(sum(width * height * words * 4 for width, height, words in shapes))
+    pixels = sum(width * height for width, height, _ in shapes)
+    whole = not form.by_paths and (not form.arranges or spec.levels == 1 or spec.format is TextureFormat.EXR)
+    return pixels * (1 if whole else _LEVELS) * pixel_bytes(spec, by_paths=form.by_paths)
+
+
+def current_manifest(bake: ExportSource, out: Path) -> Manifest | None:
+    """The manifest of a whole export of this very bake by this version of RadTex; None if there is none."""
+    manifest = earlier_manifest(bake, out)
+    if manifest is None or not is_whole(out) or manifest.tool != f"RadTex {VERSION}":
+        return None
+    newer = _modified(out / f"{bake.name}.{EXTENSION}") >= _modified(bake.sidecar.path)
+    return manifest if newer and manifest.bake == bake.sidecar.facts.values else None
+
+
+def earlier_manifest(bake: ExportSource, out: Path) -> Manifest | None:
+    """The manifest of an export of any bake by this name; None if there is none."""
+    try:
+        return read_manifest(out / f"{bake.name}.{EXTENSION}") if is_export(out) else None
+    except FormatError:
+        return None
+
+
+def _modified(path: Path) -> float:
+    try:
+        return path.stat().st_mtime
+    except OSError:
+        return 0.0

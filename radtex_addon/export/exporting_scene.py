@@ -17,8 +17,8 @@ from .export_manifest import Manifest
 from .exporting import Exported, ExportSource, Flat, check_bake, check_writer, flat_steps, manifest_of
 from .folder import check_out, replacing_folder
 from .gltf import baked_mesh
+from .pack import SceneEntry, ScenePack
 from .scene_gltf import SceneGltf, SceneNode, scene_nodes
-from .scene_manifest import SceneEntry, ScenePack
 from .targets import writer_of
 
 

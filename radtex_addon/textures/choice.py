@@ -73,13 +73,25 @@ def light_in_blocks(spec: ExportSpec) -> bool:
     return in_blocks(spec) and (spec.format is not TextureFormat.AUTO or spec.target.traits.light_blocks)
 
 
+def _stored(spec: ExportSpec) -> tuple[Container, PixelFormat]:
+    """How plain, opaque light is stored, where nothing is in the way."""
+    return _STORED[spec.target.traits.auto if spec.format is TextureFormat.AUTO else spec.format]
+
+
+def pixel_bytes(spec: ExportSpec, *, by_paths: bool = False) -> float:
+    """About how many bytes a pixel of opaque light has; `by_paths`: of a layered bake's images."""
+    kind = _stored(spec)[1]
+    if by_paths:
+        kind = PixelFormat.BC6H if in_blocks(spec) else PixelFormat.RGBA16F
+    return kind.block_bytes / kind.side**2
+
+
 def container_of(source: Path, spec: ExportSpec, is_array: bool) -> Container:
     """The kind of file to write a texture to. Raises InputError for one that the target does not read."""
-    traits, chosen = spec.target.traits, spec.format is not TextureFormat.AUTO
-    container = _STORED[spec.format if chosen else traits.auto][0]
+    traits, container = spec.target.traits, _stored(spec)[0]
     if container is not Container.KTX2 or not is_array or traits.ktx2_arrays:
         return container
-    if chosen:
+    if spec.format is not TextureFormat.AUTO:
         found = f"{source} would have slices or pages, which {traits.title} reads from DDS only"
         raise InputError(found, choose(TextureFormat.DDS_RGBA16F))
     return Container.DDS

@@ -60,11 +60,6 @@ class ExportSpec:
             )
         if self.levels is not None and not 1 <= self.levels <= MOST_LEVELS:
             raise InputError(f"levels {self.levels}: give a whole number from 1 to {MOST_LEVELS}")
-        self._check_mirror()
-        if self.limit is not None and self.limit < LEAST_PIXELS:
-            raise InputError(f"limit {self.limit}: a texture needs {LEAST_PIXELS} pixels at least")
-
-    def _check_mirror(self) -> None:
         if self.mirror and not self.target.traits.mirror:
             words = ", ".join(target for target in Target if target.traits.mirror)
             raise InputError(f"a mirror ball for {self.target}: choose from {words}")
@@ -72,6 +67,8 @@ class ExportSpec:
             raise InputError("a mirror ball reads no slices", leave_out(Setting.ARRANGEMENT))
         if self.sky is not None and not all(0 <= value < inf for value in self.sky):
             raise InputError(f"mirror's sky {self.sky}: give three numbers of 0 or more")
+        if self.limit is not None and self.limit < LEAST_PIXELS:
+            raise InputError(f"limit {self.limit}: a texture needs {LEAST_PIXELS} pixels at least")
 
     @property
     def most_pixels(self) -> int:

@@ -16,9 +16,8 @@ import pytest
 from radtex_addon.bake.progress import finished
 from radtex_addon.bake.spec import BakeSpec, Kind
 from radtex_addon.core.sampler import Filter
-from radtex_addon.export.exporting import ExportSource, export_steps
+from radtex_addon.export.exporting import ExportSource, about_texture_bytes, export_steps
 from radtex_addon.export.targets import web
-from radtex_addon.export.texture_size import about_texture_bytes
 from radtex_addon.job import bake_object
 from radtex_addon.textures.export_spec import ExportSpec, Target
 from radtex_addon.ui import registration

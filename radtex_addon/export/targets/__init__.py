@@ -13,8 +13,7 @@ from importlib import import_module
 from pathlib import Path
 
 from ...bake.targets import Target
-from ..pack import Pack
-from ..scene_manifest import ScenePack
+from ..pack import Pack, ScenePack
 
 
 @dataclass(frozen=True)

@@ -14,8 +14,7 @@ from pathlib import Path
 from ...bake.kinds import Kind, Lit
 from ...core.quoting import godot_string, in_comment
 from ..export_manifest import Manifest
-from ..pack import SHADERS, Pack, filled, write_text_file
-from ..scene_manifest import ScenePack
+from ..pack import SHADERS, Pack, ScenePack, filled, write_text_file
 from . import Writer
 
 ADDON = Path("addons", "radtex")  # where Godot's asset library and every project have it

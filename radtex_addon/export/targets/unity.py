@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import re
 import shutil
 from collections.abc import Mapping
 from pathlib import Path
@@ -18,13 +17,14 @@ from ...core.quoting import csharp_string, in_comment, shaderlab_string
 from ...formats.containers.glb import Glb
 from ...forms.hlsl_lookup import ARGUMENTS, HlslLookup, numbers
 from ..engines import file_lines
-from ..node_matrix import baked_matrix
 from ..pack import SHADERS, Pack, filled, write_text_file
 from ..unity_unreal import (
     ATTRIBUTES,
+    baked_matrix,
     carry_frame,
     constant_lines,
     define_lines,
+    identifier,
     indented,
     is_clear,
     material_numbers,
@@ -54,7 +54,7 @@ def write_unity(pack: Pack, folder: Path) -> None:
     write_text_file(folder / f"{name}.shader", shader_text(name, title, lookup, is_clear(glb), culled))
     (folder / "Editor").mkdir()
     script = script_text(name, manifest.bake["kind"], manifest.mesh, lookup, material_numbers(glb))
-    write_text_file(folder / "Editor" / f"{identifier(name, manifest.bake['kind'])}.cs", script)
+    write_text_file(folder / "Editor" / f"_{identifier(name, manifest.bake['kind'])}.cs", script)
     files = "\n".join(file_lines(manifest, ATTRIBUTES))
     readme = {"NAME": in_comment(name), "TITLE": in_comment(title), "FILES": files}
     write_text_file(folder / "README.txt", filled(TEMPLATES / "README.txt", readme))
@@ -128,7 +128,7 @@ def script_text(name: str, kind: str, mesh: str, lookup: HlslLookup, materials: 
         "NAME": _inside_quotes(name),
         "TITLE": _inside_quotes(title_of(name, kind)),
         "MESH": _inside_quotes(mesh),
-        "IDENTIFIER": identifier(name, kind),
+        "IDENTIFIER": f"_{identifier(name, kind)}",  # of a namespace, so that exports may lie side by side
         "TEXTURE_FILES": indented("\n".join(files), 12),
         "MATERIAL_NUMBERS": indented("\n".join(listed), 12),
         "FIRST_NUMBER": str(next(iter(materials.values()))),
@@ -139,11 +139,6 @@ def script_text(name: str, kind: str, mesh: str, lookup: HlslLookup, materials: 
 def title_of(name: str, kind: str) -> str:
     """What Unity's menus call the bake."""
     return f"{name} ({kind})"
-
-
-def identifier(name: str, kind: str) -> str:
-    """A name for C#. Each export's classes are in a namespace, so that exports may lie side by side."""
-    return "_" + re.sub(r"\W", "_", f"{name}_{kind}", flags=re.ASCII)
 
 
 def _inside_quotes(text: str) -> str:

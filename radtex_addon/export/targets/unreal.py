@@ -22,13 +22,14 @@ from ...core.quoting import in_comment, python_string
 from ...formats.containers.glb import Glb
 from ...forms.hlsl_lookup import ARGUMENTS, SAMPLER, HlslLookup, Number, keeps_levels, numbers
 from ..engines import file_lines
-from ..node_matrix import baked_matrix
 from ..pack import SHADERS, Pack, filled, write_text_file
 from ..unity_unreal import (
     ATTRIBUTES,
     apply_turn_and_scale,
+    baked_matrix,
     carry_frame,
     define_lines,
+    identifier,
     indented,
     is_clear,
     material_numbers,
@@ -127,11 +128,6 @@ def texture_input(texture: str) -> str:
     """The input of the Custom node for a texture: Atlas, or Colour, ThroughRest and the like."""
     words = texture.removeprefix("radtex_").removesuffix("_map").split("_")
     return "".join(word.capitalize() for word in words)
-
-
-def identifier(name: str, kind: str) -> str:
-    """A name for assets and for a Python file."""
-    return re.sub(r"\W", "_", f"{name}_{kind}", flags=re.ASCII)
 
 
 def script_words(

@@ -10,8 +10,7 @@ from urllib.parse import quote
 
 from ...core.errors import InputError
 from ..export_manifest import EXTENSION
-from ..pack import Pack
-from ..scene_manifest import ScenePack
+from ..pack import Pack, ScenePack
 from . import Writer
 
 BUILT = Path(__file__).parents[1] / "web" / "built"  # made by .ci/build_web.py of shaders/three

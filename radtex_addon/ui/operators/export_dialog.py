@@ -54,10 +54,9 @@ def planned(
 
     One folder if all are exported as one `scene`.
     """
-    from ...export.earlier_export import is_export
-    from ...export.exporting import check_export, check_folders_differ
+    from ...export.exporting import about_texture_bytes, check_export, check_folders_differ
     from ...export.exporting_scene import check_scene
-    from ...export.texture_size import about_texture_bytes
+    from ...export.folder import is_export
 
     if scene:
         errors = _errors_of([partial(check_scene, sources, spec, outs[0], overwrite=True)])
