@@ -18,7 +18,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from radtex_addon.export.write_godot import copy_addon  # noqa: E402  # after the path
+from radtex_addon.export.targets.godot import copy_addon  # noqa: E402  # after the path
 
 
 def build_addon(folder: Path) -> Path:

@@ -69,11 +69,6 @@ class Lit(Enum):
     BY_SKY = auto()  # by its environment
 
 
-_SHADERS = ("web", "godot", "raw", "gltf")
-_ENGINES = ("unity", "unreal")
-_ALL_TARGETS = ("web", "godot", "gltf", "unity", "unreal", "raw")
-
-
 @dataclass(frozen=True)
 class KindTraits:
     """One row: facts about a kind.
@@ -88,8 +83,8 @@ class KindTraits:
     * `needs_camera_rays`: the baked object must be visible to cameras. `needs_light`: a scene without light
       is worth a warning. `looks_at_surface`: records the light of the object's own surface, so that cells
       that nobody can see are skipped. `judged`: a path-traced picture can be compared with its preview.
-    * `exports`: names of the targets that show it, and `include`: its shader include, beside radtex's own;
-      `lit`: by what it is lit there.
+    * Where it is exported: `hlsl`: its form writes a lookup with the bake's numbers, which engines need;
+      `include`: its shader include, beside radtex's own; `lit`: by what it is lit there.
     """
 
     title: str
@@ -115,7 +110,7 @@ class KindTraits:
     needs_light: bool = True
     looks_at_surface: bool = False
     judged: bool = True
-    exports: tuple[str, ...] = _ALL_TARGETS
+    hlsl: bool = True
     include: str | None = None
     lit: Lit = Lit.BY_ITSELF
 
@@ -187,7 +182,7 @@ KINDS: dict[Kind, KindTraits] = {
         samples=False,
         needs_light=False,
         judged=False,
-        exports=_SHADERS,
+        hlsl=False,
         include="radtex_shadow",
         lit=Lit.BY_LAMPS,
     ),
@@ -203,7 +198,7 @@ KINDS: dict[Kind, KindTraits] = {
         cells=False,
         needs_light=False,
         judged=False,
-        exports=_SHADERS,
+        hlsl=False,
         lit=Lit.BY_SKY,
     ),
     Kind.TRANSFER: KindTraits(
@@ -216,7 +211,6 @@ KINDS: dict[Kind, KindTraits] = {
         views=True,
         needs_camera_rays=True,
         needs_light=False,
-        exports=(*_SHADERS, *_ENGINES),
         include="radtex_transfer",
         lit=Lit.BY_LAMPS,
     ),

@@ -4,9 +4,11 @@
 
 from __future__ import annotations
 
-from .kinds import KINDS as _TABLE
+from .kinds import Kind
+from .targets import Target
 
-KINDS = tuple((kind.value, traits.title, traits.tooltip) for kind, traits in _TABLE.items())
+KINDS = tuple((kind.value, kind.traits.title, kind.traits.tooltip) for kind in Kind)
+TARGETS = tuple((target.value, target.traits.title, target.traits.tooltip) for target in Target)
 
 VIEWS = (
     (
@@ -121,15 +123,6 @@ COMPRESSIONS = (
     ("zip", "ZIP", "Exact, and small"),
     ("piz", "PIZ", "Exact, and often smaller where there is noise, but slower to read"),
     ("dwaa", "DWAA", "Much smaller; faint detail in smooth areas is lost"),
-)
-
-TARGETS = (
-    ("web", "Web", "A page that shows the object in a browser, by three.js"),
-    ("godot", "Godot", "A project that opens and runs, and the addon by which any project shows bakes"),
-    ("gltf", "glTF", "A .glb whose material names the textures"),
-    ("unity", "Unity", "A mesh, DDS textures, a shader, and a script that sets all up"),
-    ("unreal", "Unreal", "A mesh, DDS textures, and a script that imports them and makes the material"),
-    ("raw", "Raw", "A mesh, textures and all shader includes, for an engine of your own"),
 )
 
 DEVICES = (

@@ -34,6 +34,7 @@ from .menu_items import (
 from .option import Fold, Mark, Option, Section
 from .parts import Split
 from .plan import MAX_IMAGE_SIDE, SHEET
+from .targets import Target
 from .texel_density import MOST_TEXELS
 
 DEFAULT_FOLDER = "//radtex/{blend_name}/"  # the panel's
@@ -364,8 +365,8 @@ FILES = Section(Fold.OUTPUT, (
 ))
 
 EXPORTS = Section(Fold.OUTPUT, (
-    _row("exports", flag="--export", many=True, panel_name="export_targets", title="Export", items=TARGETS,
-         panel_default=set(),
+    _row("exports", flag="--export", takes=Target, many=True, panel_name="export_targets", title="Export",
+         items=TARGETS, panel_default=set(),
          help="also make DIR/NAME.TARGET of the bake, as bake.py export --to TARGET does; may be given "
          "several times, and needs --save-preview",
          tooltip="Folders to make of the bake once it is done: for browsers, engines and viewers"),

@@ -10,9 +10,9 @@ from pathlib import Path
 
 from ..bake.cost import check_memory
 from ..bake.spec import BakeSpec, Layout
+from ..bake.targets import check_target
 from ..core.errors import InputError
 from ..core.messages import Setting, do
-from ..export.target_checks import check_target
 from ..job import OpenLayout
 from ..job.bake_request import BakeRequest
 from ..scene.demo import OBJECT

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ..bake.options import OPTIONS
@@ -14,7 +14,6 @@ from .options import (
     ASSEMBLE,
     Parser,
     ProgressStyle,
-    add_choice,
     add_help,
     add_parent,
     add_progress,
@@ -73,17 +72,10 @@ def build_parser(inside_blender: bool) -> Parser:
     output.add_argument(
         "--out", metavar="DIR", help="folder for the files, made if need be (default: where the farm's lies)"
     )
-    add_options(output, (OPTIONS["overwrite"], OPTIONS["overwrite_any"]))
-    add_choice(
-        output,
-        "--export",
-        Target,
-        None,
-        "also make DIR/NAME.TARGET, as bake.py export --to TARGET does; may be given several times; needs "
-        "--save-preview where the farm was prepared",
-        dest="exports",
-        action="append",
-    )
+    exports = "also make DIR/NAME.TARGET, as bake.py export --to TARGET does; may be given several times; "
+    exports += "needs --save-preview where the farm was prepared"
+    rows = (OPTIONS["overwrite"], OPTIONS["overwrite_any"], replace(OPTIONS["exports"], help=exports))
+    add_options(output, rows)
     add_progress(output)
     add_parent(parser.add_argument_group("for a program that runs this one"))
     add_help(parser.add_argument_group("help"))

@@ -29,7 +29,6 @@ from ..bake.options import (
 )
 from ..bake.texel_density import parse_density
 from ..core.errors import InputError
-from ..textures.export_spec import Target
 from .options import (
     DEMO,
     Parser,
@@ -85,7 +84,6 @@ def _add_option(group: argparse._ArgumentGroup, row: Option) -> None:
     known = row.flag_default
     told = f"{row.help} (default: {row.default_words})" if row.default_words else row.help
     action = "append" if row.many else "store"
-    choices = Target if row.name == "exports" else row.choices  # which the table is too far left to know
     if isinstance(known, bool):
         action = "store_false" if known else "store_true"
         group.add_argument(row.flag, dest=row.name, action=action, help=told)
@@ -93,8 +91,8 @@ def _add_option(group: argparse._ArgumentGroup, row: Option) -> None:
         if not row.default_words and known is not None:
             told += f" (default: {known})"
         add_number(group, row.flag, row.name, row.metavar or "N", told, known)
-    elif choices is not None:
-        add_choice(group, row.flag, choices, known, told, row.name, action, row.metavar)
+    elif row.choices is not None:
+        add_choice(group, row.flag, row.choices, known, told, row.name, action, row.metavar)
     else:
         read = _READ.get(row.name, str)
         group.add_argument(

@@ -6,9 +6,11 @@ from __future__ import annotations
 
 import argparse
 from dataclasses import dataclass, fields
+from itertools import groupby
 from pathlib import Path
 
 from ..bake.layers import Layer
+from ..bake.targets import MOST_PIXELS, TARGETS
 from ..core.errors import InputError
 from ..textures.export_spec import Arrangement, ExportSpec, Target, TextureFormat
 from .options import (
@@ -108,15 +110,10 @@ def _add_what(group: argparse._ArgumentGroup) -> None:
         "bakes", nargs="*", metavar="DIR", help="the folder of a bake, or its sidecar's .json; or several"
     )
     group.add_argument("--object", metavar="NAME", help="whose bake, if there are several in the folder")
-    add_choice(
-        group,
-        "--to",
-        Target,
-        None,
-        "web: a page for any static server; godot: a project; unity, unreal: a shader, and a script for the "
-        "editor; gltf: mesh, textures and shader includes; raw: the same with the includes of all languages",
-        dest="target",
-    )
+    ordered = sorted(Target, key=lambda target: bool(target.traits.languages))  # what is ready to run first
+    told = groupby(ordered, key=lambda target: target.traits.help)
+    text = "; ".join(f"{', '.join(targets)}: {words}" for words, targets in told)
+    add_choice(group, "--to", Target, None, text, dest="target")
 
 
 def _add_scene(group: argparse._ArgumentGroup) -> None:
@@ -159,6 +156,8 @@ def _add_textures(group: argparse._ArgumentGroup) -> None:
         "of layout buckets; matrix: as in the bake; slices: a texture array with a layer for each cell, "
         "which hardware filters",
     )
+    limits = (row for row in TARGETS.values() if row.most_pixels < MOST_PIXELS)
+    smaller = ", ".join(f"{row.most_pixels} for {row.called or row.title}" for row in limits)
     add_number(
         group, "--levels", "levels", "N", "mip levels, for objects far away (default: as many as fit)", None
     )
@@ -168,7 +167,7 @@ def _add_textures(group: argparse._ArgumentGroup) -> None:
         "limit",
         "PIXELS",
         "the most pixels along a texture's side: a larger matrix is split "
-        "(default: 8192 for the web, else 16384)",
+        f"(default: {smaller}, else {MOST_PIXELS})",
         None,
     )
 
@@ -177,7 +176,8 @@ def _add_mirror(group: argparse._ArgumentGroup) -> None:
     group.add_argument(
         "--mirror",
         action="store_true",
-        help="for web and godot: a chrome ball that moves and mirrors the bake, by a ray for each fragment",
+        help=f"for {' and '.join(target for target in Target if target.traits.mirror)}: a chrome ball that "
+        "moves and mirrors the bake, by a ray for each fragment",
     )
     group.add_argument(
         "--mirror-sky",

@@ -6,8 +6,8 @@ from __future__ import annotations
 
 from functools import partial
 
+from ..bake.targets import check_target
 from ..core.errors import InputError
-from ..export.target_checks import check_target
 from ..farm.assemble_farm import assemble_steps
 from ..farm.farm_files import FarmFiles
 from ..farm.farm_manifest import read_manifest

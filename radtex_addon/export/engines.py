@@ -5,68 +5,92 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from functools import partial
 from pathlib import Path
 
 from ..core.quoting import in_comment
 from ..textures.entry import Container, TextureEntry
-from ..textures.export_spec import Target
-from .export_manifest import Manifest
-from .pack import SHADERS, Pack
+from .export_manifest import EXTENSION, Manifest
+from .pack import SHADERS, Pack, ScenePack, write_text_file
+from .targets import Writer
 
-_LANGUAGES = {
-    Target.GLTF: ("glsl",),
-    Target.RAW: ("glsl", "hlsl", "wgsl", "gdshaderinc", "osl"),
-}
-_WHERE = {
-    Target.GLTF: "Any program opens the .glb; one that knows no radiance textures shows the flat lightmap.",
-    Target.RAW: "The includes say at their top how they are called.",
-}
-_FIRST_ROW = "first row: v = {}"
-IMPORT_LINES = (  # of README.txt
+_IMPORT_LINES = (  # of README.txt
     "Import textures whose format ends in _SRGB as sRGB, all others as linear data; with no compression",
     "and no mipmaps but their own.",
 )
 
 
-def write_engine(pack: Pack, folder: Path) -> None:
-    """Add the shader includes that the bake's layout needs, and a README.txt, to a pack's folder."""
-    copy_includes(includes(pack.spec.target, pack), folder)
-    (folder / "README.txt").write_text(readme(pack), encoding="utf-8", newline="\n")
+def engine_writer(where: str) -> Writer:
+    """The writer of a folder with shader includes and a README.txt; `where` is the last line for one bake."""
+    return Writer(partial(_write, where=where), _write_scene)
 
 
-def copy_includes(sources: Iterable[Path], folder: Path) -> None:
-    """Copy shader includes and their licence into the folder `shaders` of an export."""
-    shaders = folder / "shaders"
-    shaders.mkdir()
-    for source in (*sources, SHADERS / "LICENSE"):
-        shutil.copyfile(source, shaders / source.name)
-
-
-def includes(target: Target, pack: Pack) -> list[Path]:
-    """The shader includes to look the bake up, in the languages of the target."""
-    stems = pack.manifest.form.includes(pack.manifest.bake)
-    found = [SHADERS / f"{stem}.{ending}" for ending in _LANGUAGES[target] for stem in stems]
-    if "wgsl" in _LANGUAGES[target]:
-        found.append(SHADERS / "radtex_pages.wgsl")
-    return [path for path in found if path.is_file()]
-
-
-def readme(pack: Pack) -> str:
-    """The text of README.txt: the files in the folder, and how to look the bake up."""
-    manifest, target = pack.manifest, pack.spec.target
+def _write(pack: Pack, folder: Path, where: str) -> None:
+    manifest = pack.manifest
+    _copy_includes(pack, folder)
     lines = [
         f"{manifest.name}: a radiance texture, made by {manifest.tool}",
         "",
         *file_lines(manifest, "TEXCOORD_0 is the baked UV layer, NORMAL and TANGENT its frame."),
         "shaders/: the includes to look it up by (MIT licence).",
         "",
-        *manifest.form.usage(manifest.bake, manifest.textures, target),
+        *manifest.form.usage(manifest.bake, manifest.textures),
         "",
-        *IMPORT_LINES,
-        _WHERE[target],
+        *_IMPORT_LINES,
+        where,
     ]
-    return "".join(f"{in_comment(line)}\n" for line in lines)
+    _write_readme(lines, folder)
+
+
+def _write_scene(pack: ScenePack, folder: Path) -> None:
+    _copy_includes(pack, folder)
+    _write_readme(_lines_of_scene(pack), folder)
+
+
+def _write_readme(lines: Iterable[str], folder: Path) -> None:
+    write_text_file(folder / "README.txt", "".join(f"{in_comment(line)}\n" for line in lines))
+
+
+def _copy_includes(pack: Pack | ScenePack, folder: Path) -> None:
+    """Copy the shader includes that look the bakes up, in the target's languages, into `shaders`."""
+    languages = pack.spec.target.traits.languages
+    stems = {stem for manifest in pack.manifests for stem in manifest.form.includes(manifest.bake)}
+    names = [f"{stem}.{ending}" for ending in languages for stem in stems]
+    (folder / "shaders").mkdir()
+    for name in (*names, *(["radtex_pages.wgsl"] * ("wgsl" in languages)), "LICENSE"):
+        if (SHADERS / name).is_file():
+            shutil.copyfile(SHADERS / name, folder / "shaders" / name)
+
+
+def _lines_of_scene(pack: ScenePack) -> Iterator[str]:
+    """The lines of README.txt: the files, the nodes, and how each bake is looked up."""
+    yield f"{pack.name}: a scene of {len(pack.manifests)} radiance textures, made by {pack.manifests[0].tool}"
+    yield ""
+    yield f"{pack.mesh}: the meshes, a node for each object. TEXCOORD_0 is the baked UV layer, NORMAL and"
+    yield "TANGENT its frame."
+    yield f"{pack.name}.{EXTENSION}: which node has which textures, for programs."
+    yield "shaders/: the includes to look them up by (MIT licence)."
+    yield ""
+    for entry in pack.entries:
+        farther = ", ".join(level.node for level in entry.levels)
+        yield f"node {entry.node}: {entry.manifest.name}" + (f"; farther away {farther}" if farther else "")
+    for manifest in pack.manifests:
+        yield from _bake(manifest, pack)
+    yield ""
+    yield from _IMPORT_LINES
+
+
+def _bake(manifest: Manifest, pack: ScenePack) -> Iterator[str]:
+    bake = manifest.bake
+    width, height = bake["texels"]
+    yield ""
+    yield f"{manifest.name}"
+    yield f"layout {bake['layout']}, {width} x {height} texels of {bake['bucket']} x {bake['bucket']} cells"
+    yield f"{manifest.flat}: a flat lightmap, the mean of each texel's light; also inside {pack.mesh}."
+    for layer, entry in manifest.textures.items():
+        yield _described(layer, entry)
+    yield from manifest.form.usage(bake, manifest.textures)
 
 
 def file_lines(manifest: Manifest, mesh: str) -> list[str]:
@@ -77,16 +101,16 @@ def file_lines(manifest: Manifest, mesh: str) -> list[str]:
         f"{manifest.mesh}: the mesh. {mesh}",
         f"{manifest.flat}: a flat lightmap, the mean of each texel's light; also inside the mesh's file.",
         f"{manifest.name}.export.json: all of this for programs.",
-        *(described(layer, entry) for layer, entry in manifest.textures.items()),
+        *(_described(layer, entry) for layer, entry in manifest.textures.items()),
         f"layout {bake['layout']}, {width} x {height} texels of {bake['bucket']} x {bake['bucket']} cells",
     ]
     return list(map(in_comment, lines))
 
 
-def described(layer: str, entry: TextureEntry) -> str:
+def _described(layer: str, entry: TextureEntry) -> str:
     """A line of README.txt on a texture."""
     width, height = entry.size
     layers = f" x {entry.layers} layers" if entry.layers > 1 else ""
     levels = f", {entry.levels} mip levels" if entry.levels > 1 else ""
-    first = _FIRST_ROW.format("1, the top" if entry.container is Container.EXR else "0, the bottom")
-    return f"{entry.file}: {layer}, {entry.format}, {width} x {height}{layers}{levels}; {first}"
+    first = "v = 1, the top" if entry.container is Container.EXR else "v = 0, the bottom"
+    return f"{entry.file}: {layer}, {entry.format}, {width} x {height}{layers}{levels}; first row: {first}"

@@ -5,13 +5,14 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Generator, Mapping, Sequence
+from collections.abc import Generator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import bpy
 
+from ..bake.targets import check_target
 from ..core.errors import FormatError, InputError
 from ..core.messages import Setting, do
 from ..core.quoting import printable
@@ -22,31 +23,20 @@ from ..formats.sidecar_file import AnySidecar, SidecarFile, opened
 from ..forms import Form, form_in
 from ..scene.mesh.backs import twin_numbers
 from ..scene.preview_file import baked_copy, check_preview, surface_of
+from ..textures.choice import check_importable, pixel_bytes
 from ..textures.entry import TextureEntry
-from ..textures.export_spec import ExportSpec, Step, Target, Task
+from ..textures.export_spec import ExportSpec, Step, Target, Task, TextureFormat
 from ..textures.flat_lightmap import flat_png
 from ..version import VERSION
-from .engines import write_engine
-from .export_manifest import EXTENSION, Manifest, write_manifest
-from .folder import check_out, files_in, replacing_folder
+from .export_manifest import EXTENSION, Manifest, read_manifest, write_manifest
+from .folder import check_out, files_in, is_export, is_whole, replacing_folder
 from .gltf import check_exporter, write_gltf
 from .mirror import check_mirror, materials_of, write_mirror
 from .pack import Pack
-from .target_checks import check_importable, check_target
-from .web import check_page, write_web
-from .write_godot import write_godot
-from .write_unity import write_unity
-from .write_unreal import write_unreal
+from .targets import writer_of
 
+_LEVELS = 4 / 3  # all mip levels together, relative to the first
 _LEAST_BYTES = 192 * 2**20  # memory of any export: a few bands of rows, the mesh, the mesh's file
-_WRITERS: dict[Target, Callable[[Pack, Path], None]] = {
-    Target.WEB: write_web,
-    Target.GODOT: write_godot,
-    Target.GLTF: write_engine,
-    Target.UNITY: write_unity,
-    Target.UNREAL: write_unreal,
-    Target.RAW: write_engine,
-}
 
 
 @dataclass(frozen=True)
@@ -132,11 +122,10 @@ def _check_layers(bake: ExportSource, spec: ExportSpec) -> None:
 def check_writer(target: Target) -> None:
     """Check, even before a bake, what every export for the `target` needs.
 
-    Raises InputError if this Blender has no glTF exporter, or this copy of RadTex no web page.
+    Raises InputError if this Blender has no glTF exporter, or this copy of RadTex lacks the target's files.
     """
     check_exporter()
-    if target is Target.WEB:
-        check_page()
+    writer_of(target).check()
 
 
 def check_folders_differ(outs: Sequence[Path]) -> None:
@@ -185,7 +174,7 @@ def export_steps(
     with replacing_folder(out) as folder:
         pack = yield from _pack(bake, spec, folder)
         yield Step(Task.PACK, 0, 1)
-        _WRITERS[spec.target](pack, folder)
+        writer_of(spec.target).write(pack, folder)
         made = Exported.of(folder, out, bake.name, spec.target)
     return made
 
@@ -238,3 +227,37 @@ def manifest_of(
         flat_scale=flat.scale,
         culled=bake.form.traits.backs and twin_numbers(copy.data) is not None,
     )
+
+
+def about_texture_bytes(bake: ExportSource, spec: ExportSpec) -> float:
+    """Bytes of the textures before Zstandard packs them, for light without alpha; reads no images."""
+    form, shapes = bake.form.traits, bake.form.shapes(bake.sidecar).values()
+    if form.bits:
+        return float(sum(width * height * words * 4 for width, height, words in shapes))
+    pixels = sum(width * height for width, height, _ in shapes)
+    whole = not form.by_paths and (not form.arranges or spec.levels == 1 or spec.format is TextureFormat.EXR)
+    return pixels * (1 if whole else _LEVELS) * pixel_bytes(spec, by_paths=form.by_paths)
+
+
+def current_manifest(bake: ExportSource, out: Path) -> Manifest | None:
+    """The manifest of a whole export of this very bake by this version of RadTex; None if there is none."""
+    manifest = earlier_manifest(bake, out)
+    if manifest is None or not is_whole(out) or manifest.tool != f"RadTex {VERSION}":
+        return None
+    newer = _modified(out / f"{bake.name}.{EXTENSION}") >= _modified(bake.sidecar.path)
+    return manifest if newer and manifest.bake == bake.sidecar.facts.values else None
+
+
+def earlier_manifest(bake: ExportSource, out: Path) -> Manifest | None:
+    """The manifest of an export of any bake by this name; None if there is none."""
+    try:
+        return read_manifest(out / f"{bake.name}.{EXTENSION}") if is_export(out) else None
+    except FormatError:
+        return None
+
+
+def _modified(path: Path) -> float:
+    try:
+        return path.stat().st_mtime
+    except OSError:
+        return 0.0

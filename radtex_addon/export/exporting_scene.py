@@ -4,77 +4,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Generator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from ..core.errors import InputError
-from ..core.quoting import in_comment
 from ..formats.sidecar import safe_name
 from ..formats.sidecar_file import AnySidecar
 from ..textures.export_spec import ExportSpec, Step, Target, Task
 from ..version import VERSION
-from .engines import IMPORT_LINES, copy_includes, described, includes
-from .export_manifest import EXTENSION, Manifest
+from .export_manifest import Manifest
 from .exporting import Exported, ExportSource, Flat, check_bake, check_writer, flat_steps, manifest_of
 from .folder import check_out, replacing_folder
 from .gltf import baked_mesh
-from .pack import Pack
+from .pack import SceneEntry, ScenePack
 from .scene_gltf import SceneGltf, SceneNode, scene_nodes
-from .scene_manifest import SceneEntry, ScenePack
-from .web import write_web
-from .write_godot import write_godot
-
-
-def write_engine_scene(pack: ScenePack, folder: Path) -> None:
-    """Add the shader includes that the bakes need, and a README.txt, to a scene's folder."""
-    target = pack.spec.target
-    packs = [Pack(manifest.name, manifest, folder, pack.spec) for manifest in pack.manifests]
-    copy_includes(dict.fromkeys(path for each in packs for path in includes(target, each)), folder)
-    text = "".join(f"{in_comment(line)}\n" for line in _lines(pack))
-    (folder / "README.txt").write_text(text, encoding="utf-8", newline="\n")
-
-
-def _lines(pack: ScenePack) -> Iterator[str]:
-    """The lines of README.txt: the files, the nodes, and how each bake is looked up."""
-    yield f"{pack.name}: a scene of {len(pack.manifests)} radiance textures, made by {pack.manifests[0].tool}"
-    yield ""
-    yield f"{pack.mesh}: the meshes, a node for each object. TEXCOORD_0 is the baked UV layer, NORMAL and"
-    yield "TANGENT its frame."
-    yield f"{pack.name}.{EXTENSION}: which node has which textures, for programs."
-    yield "shaders/: the includes to look them up by (MIT licence)."
-    yield ""
-    for entry in pack.entries:
-        yield _node(entry)
-    for manifest in pack.manifests:
-        yield from _bake(manifest, pack)
-    yield ""
-    yield from IMPORT_LINES
-
-
-def _node(entry: SceneEntry) -> str:
-    levels = ", ".join(level.node for level in entry.levels)
-    return f"node {entry.node}: {entry.manifest.name}" + (f"; farther away {levels}" if levels else "")
-
-
-def _bake(manifest: Manifest, pack: ScenePack) -> Iterator[str]:
-    bake = manifest.bake
-    width, height = bake["texels"]
-    yield ""
-    yield f"{manifest.name}"
-    yield f"layout {bake['layout']}, {width} x {height} texels of {bake['bucket']} x {bake['bucket']} cells"
-    yield f"{manifest.flat}: a flat lightmap, the mean of each texel's light; also inside {pack.mesh}."
-    for layer, entry in manifest.textures.items():
-        yield described(layer, entry)
-    yield from manifest.form.usage(bake, manifest.textures, pack.spec.target)
-
-
-_WRITERS: dict[Target, Callable[[ScenePack, Path], None]] = {
-    Target.WEB: write_web,
-    Target.GODOT: write_godot,
-    Target.GLTF: write_engine_scene,
-    Target.RAW: write_engine_scene,
-}
+from .targets import writer_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,7 +51,7 @@ def check_scene(
     """Preflight checks of an export as one scene; returns its nodes. Raises InputError and FormatError."""
     if spec.mirror:
         raise InputError("a mirror ball mirrors one bake, not a whole scene: leave the ball out")
-    if spec.target not in _WRITERS:
+    if writer_of(spec.target).write_scene is None:
         raise InputError(
             f"a scene for {spec.target}: its import script takes one bake a folder; export them one by one"
         )
@@ -136,7 +81,9 @@ def export_scene_steps(
     with replacing_folder(out) as folder:
         pack = yield from _pack(bakes, nodes, spec, safe_name(name), folder)
         yield Step(Task.PACK, 0, 1)
-        _WRITERS[spec.target](pack, folder)
+        write = writer_of(spec.target).write_scene
+        assert write is not None  # see `check_scene`
+        write(pack, folder)
         made = Exported.of(folder, out, pack.name, spec.target)
     return made
 

@@ -35,7 +35,7 @@ def check_out(out: Path, bake: Path, overwrite: bool) -> None:
     if out.is_symlink() or (out.exists() and not out.is_dir()):
         raise InputError(f"{out} is a file, or a link", do("choose another folder", Setting.OUT))
     if out.is_dir() and any(out.iterdir()):
-        if not (out / LIST).is_file():
+        if not is_export(out):
             raise InputError(
                 f"{out} holds other things than an export", do("choose another folder", Setting.OUT)
             )
@@ -63,7 +63,7 @@ def replacing_folder(out: Path) -> Iterator[Path]:
             place = str(new)
             new.mkdir()
             yield new
-            if (out / LIST).is_file():
+            if is_export(out):
                 _replace_files(new, out, hidden / "list")
             else:
                 _write_list(new / LIST, _digests_in(new))
@@ -78,6 +78,11 @@ def replacing_folder(out: Path) -> Iterator[Path]:
     except OSError as error:
         reason = str(error.strerror or error).replace(str(place), str(out))
         raise BakeError(f"{out} could not be written: {reason}; free its disk, or choose another") from error
+
+
+def is_export(out: Path) -> bool:
+    """Whether an earlier export wrote this folder."""
+    return (out / LIST).is_file()
 
 
 def is_whole(out: Path) -> bool:
@@ -133,7 +138,7 @@ def _listed(out: Path) -> set[str]:
 
 def _digests(out: Path) -> dict[str, str]:
     """The names of the list with their digests, which are empty where it has none."""
-    if not (out / LIST).is_file():
+    if not is_export(out):
         return {}
     lines = read_regular(out / LIST).decode("utf-8", "replace").split("\n")  # no other line end
     split = (line.partition("\t") for line in lines)

@@ -4,19 +4,23 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
+from typing import cast
 
 import numpy as np
 
+from ..core.arrays import Floats
 from ..core.frame import normalised
 from ..formats.containers.glb import Glb
 from ..forms.hlsl_lookup import Number
 from ..scene.mesh.copy import MATERIAL
-from .node_matrix import baked_matrix
+from ..textures.entry import TextureEntry
 
 ATTRIBUTES = "TEXCOORD_0 is the baked UV layer, TEXCOORD_1 to 4 its frame."  # for a README
 TANGENT_XY, TANGENT_Z_SIDE, NORMAL_XY, NORMAL_Z = (f"TEXCOORD_{number}" for number in range(1, 5))
 _TO_GLTF = np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]])  # from Blender's axes: gltf.to_gltf
+_TO_BLENDER = _TO_GLTF.T
 
 
 def define_lines(defines: Mapping[str, int | str]) -> str:
@@ -36,6 +40,11 @@ def constant_lines(constants: Iterable[Number]) -> str:
     return "\n".join(lines)
 
 
+def texture_type(entry: TextureEntry) -> str:
+    """A texture's type in HLSL."""
+    return "Texture2DArray" if entry.layers > 1 else "Texture2D"
+
+
 def material_numbers(glb: Glb) -> dict[str, int]:
     """The mesh's materials by name, in order, and the number of each among the shader's."""
     return {each["name"]: each.get("extras", {}).get(MATERIAL, 0) for each in glb.document["materials"]}
@@ -46,9 +55,33 @@ def is_clear(glb: Glb) -> bool:
     return any(each.get("alphaMode") == "BLEND" for each in glb.document["materials"])
 
 
+def identifier(name: str, kind: str) -> str:
+    """A name for assets and for files of code; C# and Python take it behind a letter or underscore."""
+    return re.sub(r"\W", "_", f"{name}_{kind}", flags=re.ASCII)
+
+
 def indented(text: str, depth: int = 4) -> str:
     """Lines that begin so many spaces farther in."""
     return "\n".join(f"{' ' * depth}{line}" if line else line for line in text.removesuffix("\n").split("\n"))
+
+
+def baked_matrix(glb: Glb) -> Floats:
+    """The matrix from places of the mesh in our .glb to Blender's world space, (3, 4) float64.
+
+    Its first three columns are that of directions.
+    """
+    (node,) = (node for node in glb.document["nodes"] if "mesh" in node)
+    x, y, z, w = node.get("rotation", (0, 0, 0, 1))
+    turn = np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+        ],
+        dtype=np.float64,
+    )
+    turn *= np.array(node.get("scale", (1, 1, 1)), dtype=np.float64)
+    return cast(Floats, _TO_BLENDER @ np.column_stack([turn, node.get("translation", (0, 0, 0))]))
 
 
 def carry_frame(glb: Glb) -> None:

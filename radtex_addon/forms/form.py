@@ -164,9 +164,7 @@ class Form(Protocol):
         """The stems of the shader includes that look up a `bake`, which is its sidecar's JSON."""
         ...
 
-    def usage(
-        self, bake: Mapping[str, Any], textures: Mapping[str, TextureEntry], target: Target
-    ) -> list[str]:
+    def usage(self, bake: Mapping[str, Any], textures: Mapping[str, TextureEntry]) -> list[str]:
         """Lines that show how a shader calls the lookup for these textures."""
         ...
 

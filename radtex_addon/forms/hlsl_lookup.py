@@ -68,14 +68,14 @@ def _number(value: Any) -> str:
 
 
 def is_top_down(entry: TextureEntry, target: Target) -> bool:
-    """Whether the target has a texture's top row as its first: Unity alone turns an EXR over."""
-    return entry.container is Container.EXR and target is not Target.UNITY
+    """Whether the target has a texture's top row as its first: an EXR's, if no importer turns it over."""
+    return entry.container is Container.EXR and not target.traits.turns_exr
 
 
 def keeps_levels(entry: TextureEntry, target: Target) -> bool:
-    """Whether a texture's mip levels reach the target: in Unreal, those of sides that are powers of two."""
+    """Whether a texture's mip levels reach the target: in some, where sides are powers of two."""
     powers = all(side & (side - 1) == 0 for side in entry.size)
-    return entry.levels > 1 and (powers or target is not Target.UNREAL)
+    return entry.levels > 1 and (powers or target.traits.odd_levels)
 
 
 def page_words(entry: TextureEntry) -> tuple[str, dict[str, int | str]]:

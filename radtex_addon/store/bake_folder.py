@@ -38,12 +38,12 @@ from ..bake.kinds import Layout
 from ..bake.kinds import form_in as form_of_layout
 from ..bake.spec import BakeSpec
 from ..bake.spec_facts import key_facts
+from ..bake.targets import check_target
 from ..core.errors import FormatError, InputError
 from ..core.messages import Setting, do, leave_out
 from ..core.near_digest import DIGEST
 from ..export.exporting import check_writer
 from ..export.folder import check_out, is_whole
-from ..export.target_checks import check_target
 from ..formats.disk.atomic import check_absent
 from ..formats.disk.regular import digest
 from ..formats.sidecar import part_in

@@ -13,8 +13,7 @@ from ..bake.spec import BakeSpec, Layer
 from ..core.atlas import AtlasLayout
 from ..core.errors import BakeError, FormatError, InputError, ShapeError
 from ..core.messages import Setting, do
-from ..export.earlier_export import earlier_manifest
-from ..export.exporting import ExportSource
+from ..export.exporting import ExportSource, earlier_manifest
 from ..export.folder import remove_export
 from ..formats.image_files import layer_path
 from ..formats.json_reader import Facts

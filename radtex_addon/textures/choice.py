@@ -9,10 +9,11 @@ from pathlib import Path
 
 from ..core.atlas import AtlasLayout
 from ..core.errors import InputError
-from ..core.messages import Message, Remedy, Setting, do
+from ..core.messages import Message, Remedy, Setting, do, leave_out
 from ..formats.containers.texture import PixelFormat, most_levels
+from ..formats.image_files import Shapes
 from .entry import Container
-from .export_spec import Arrangement, ExportSpec, Target, TextureFormat
+from .export_spec import Arrangement, ExportSpec, TextureFormat
 from .stream import Light
 
 _STORED = {
@@ -57,36 +58,43 @@ def choice(
         return PixelFormat.RGBA16F
     if container is Container.KTX2:
         return PixelFormat.RGB9E5
-    # Godot's Compatibility renderer may decompress BC6H to 8 bits; Unreal compresses what it imports itself.
-    unpacked = straddled or spec.target in (Target.GODOT, Target.UNREAL)
-    return PixelFormat.RGBA16F if unpacked else PixelFormat.BC6H
+    return PixelFormat.BC6H if light_in_blocks(spec) and not straddled else PixelFormat.RGBA16F
 
 
 def in_blocks(spec: ExportSpec) -> bool:
-    """Whether images that are no plain light are compressed in blocks, each in a range of its own.
-
-    By default they are, but for programs that want what the bake holds, or compress it themselves.
-    """
+    """Whether images that are no plain light are compressed in blocks, each in a range of its own."""
     if spec.format is TextureFormat.AUTO:
-        return spec.target not in (Target.RAW, Target.UNREAL)
+        return spec.target.traits.blocks
     return _STORED[spec.format][1] is PixelFormat.BC6H
 
 
 def light_in_blocks(spec: ExportSpec) -> bool:
-    """Whether light is BC6H, too: not for Godot by itself, for the reason in `choice`."""
-    return in_blocks(spec) and (spec.format is not TextureFormat.AUTO or spec.target is not Target.GODOT)
+    """Whether light is BC6H, too."""
+    return in_blocks(spec) and (spec.format is not TextureFormat.AUTO or spec.target.traits.light_blocks)
+
+
+def _stored(spec: ExportSpec) -> tuple[Container, PixelFormat]:
+    """How plain, opaque light is stored, where nothing is in the way."""
+    return _STORED[spec.target.traits.auto if spec.format is TextureFormat.AUTO else spec.format]
+
+
+def pixel_bytes(spec: ExportSpec, *, by_paths: bool = False) -> float:
+    """About how many bytes a pixel of opaque light has; `by_paths`: of a layered bake's images."""
+    kind = _stored(spec)[1]
+    if by_paths:
+        kind = PixelFormat.BC6H if in_blocks(spec) else PixelFormat.RGBA16F
+    return kind.block_bytes / kind.side**2
 
 
 def container_of(source: Path, spec: ExportSpec, is_array: bool) -> Container:
     """The kind of file to write a texture to. Raises InputError for one that the target does not read."""
-    container = _STORED[spec.format][0] if spec.format is not TextureFormat.AUTO else None
-    if is_array and spec.target is Target.GODOT:  # its KTX2 loader cannot load arrays
-        if container is Container.KTX2:
-            found = f"{source} would have slices or pages"
-            raise InputError(f"{found}, which Godot reads from DDS only", choose(TextureFormat.DDS_RGBA16F))
-        return Container.DDS
-    engine = spec.target in (Target.UNITY, Target.UNREAL)
-    return container or (Container.DDS if engine else Container.KTX2)
+    traits, container = spec.target.traits, _stored(spec)[0]
+    if container is not Container.KTX2 or not is_array or traits.ktx2_arrays:
+        return container
+    if spec.format is not TextureFormat.AUTO:
+        found = f"{source} would have slices or pages, which {traits.title} reads from DDS only"
+        raise InputError(found, choose(TextureFormat.DDS_RGBA16F))
+    return Container.DDS
 
 
 def straddled_layout(layout: AtlasLayout, spec: ExportSpec, container: Container) -> Message | None:
@@ -132,4 +140,26 @@ def check_limit(source: Path, width: int, height: int, spec: ExportSpec) -> None
         found = f"{source} would be a texture of {width} x {height} pixels, which cannot be split"
         raise InputError(
             found, do(f"raise the limit of {spec.most_pixels}", Setting.LIMIT), do("bake fewer texels")
+        )
+
+
+def check_importable(bake: Path | str, spec: ExportSpec, shapes: Shapes) -> None:
+    """Raise InputError, naming the `bake`, if the target's importer cannot take its textures.
+
+    One without arrays keeps none of their mip levels, by which slices are filtered; and pages are arrays,
+    too. `shapes` are of the bake's images.
+    """
+    traits = spec.target.traits
+    if traits.arrays:
+        return
+    if spec.arrangement is Arrangement.SLICES:
+        found = f"{bake} in slices would be a texture array, whose mip levels {traits.title} does not import"
+        raise InputError(found, leave_out(Setting.ARRANGEMENT))
+    width, height = max((shape[:2] for shape in shapes.values()), key=max)
+    if max(width, height) > spec.most_pixels:
+        size = f"{width} x {height} pixels"
+        raise InputError(
+            f"{bake} would be a texture of {size}, and {traits.title} takes none cut into pages",
+            do(f"raise the limit of {spec.most_pixels}", Setting.LIMIT),
+            do("bake fewer texels"),
         )

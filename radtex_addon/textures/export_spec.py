@@ -10,36 +10,11 @@ from math import inf
 
 from ..bake.choices import parse_layer
 from ..bake.layers import Layer
+from ..bake.targets import Target, TextureFormat
 from ..core.errors import InputError
 from ..core.messages import Setting, do, leave_out
 
-
-class Target(StrEnum):
-    """The program or engine that loads the folder."""
-
-    WEB = "web"
-    GODOT = "godot"
-    GLTF = "gltf"
-    UNITY = "unity"
-    UNREAL = "unreal"
-    RAW = "raw"
-
-
-class TextureFormat(StrEnum):
-    """A container and a format in it; AUTO is the target's own choice."""
-
-    AUTO = "auto"
-    EXR = "exr"
-    KTX2_RGBA16F = "ktx2-rgba16f"
-    KTX2_RGB9E5 = "ktx2-rgb9e5"
-    KTX2_BC6H = "ktx2-bc6h"
-    DDS_BC6H = "dds-bc6h"
-    DDS_RGBA16F = "dds-rgba16f"
-
-    @property
-    def label(self) -> str:
-        """As the panel shows it."""
-        return self.upper().replace("-", " ")
+__all__ = ["Arrangement", "ExportSpec", "Step", "Target", "Task", "TextureFormat"]
 
 
 class Arrangement(StrEnum):
@@ -49,21 +24,6 @@ class Arrangement(StrEnum):
     SLICES = "slices"
 
 
-# What targets cannot read: three.js BC6H in a KTX2, Unity and Unreal any KTX2, Unreal BC6H in a DDS.
-_EVERY = frozenset(TextureFormat)
-_KTX2 = frozenset((TextureFormat.KTX2_RGBA16F, TextureFormat.KTX2_RGB9E5))
-_DDS = frozenset((TextureFormat.DDS_BC6H, TextureFormat.DDS_RGBA16F))
-TAKES: dict[Target, frozenset[TextureFormat]] = {
-    Target.WEB: _KTX2 | {TextureFormat.AUTO},
-    Target.GODOT: _EVERY - {TextureFormat.EXR},
-    Target.GLTF: _EVERY,
-    Target.UNITY: _DDS | {TextureFormat.AUTO, TextureFormat.EXR},
-    Target.UNREAL: frozenset((TextureFormat.AUTO, TextureFormat.EXR, TextureFormat.DDS_RGBA16F)),
-    Target.RAW: _EVERY,
-}
-MIRRORS = (Target.WEB, Target.GODOT)  # what shows a mirror ball
-_LIMITS = {Target.WEB: 8192}
-MOST_PIXELS = 16384  # along a side, for targets without a limit of their own
 LEAST_PIXELS = 16
 MOST_LEVELS = 15
 
@@ -91,7 +51,7 @@ class ExportSpec:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "layers", tuple(dict.fromkeys(map(parse_layer, self.layers or ()))))
-        taken = TAKES[self.target]
+        taken = self.target.traits.formats
         if self.format not in taken:
             words = ", ".join(form for form in TextureFormat if form in taken)
             raise InputError(
@@ -100,22 +60,20 @@ class ExportSpec:
             )
         if self.levels is not None and not 1 <= self.levels <= MOST_LEVELS:
             raise InputError(f"levels {self.levels}: give a whole number from 1 to {MOST_LEVELS}")
-        self._check_mirror()
-        if self.limit is not None and self.limit < LEAST_PIXELS:
-            raise InputError(f"limit {self.limit}: a texture needs {LEAST_PIXELS} pixels at least")
-
-    def _check_mirror(self) -> None:
-        if self.mirror and self.target not in MIRRORS:
-            raise InputError(f"a mirror ball for {self.target}: choose from {', '.join(MIRRORS)}")
+        if self.mirror and not self.target.traits.mirror:
+            words = ", ".join(target for target in Target if target.traits.mirror)
+            raise InputError(f"a mirror ball for {self.target}: choose from {words}")
         if self.mirror and self.arrangement is Arrangement.SLICES:
             raise InputError("a mirror ball reads no slices", leave_out(Setting.ARRANGEMENT))
         if self.sky is not None and not all(0 <= value < inf for value in self.sky):
             raise InputError(f"mirror's sky {self.sky}: give three numbers of 0 or more")
+        if self.limit is not None and self.limit < LEAST_PIXELS:
+            raise InputError(f"limit {self.limit}: a texture needs {LEAST_PIXELS} pixels at least")
 
     @property
     def most_pixels(self) -> int:
         """The most pixels along a texture's side."""
-        return self.limit or _LIMITS.get(self.target, MOST_PIXELS)
+        return self.limit or self.target.traits.most_pixels
 
 
 class Task(StrEnum):

@@ -23,7 +23,7 @@ from .choice import (
     straddled_layout,
 )
 from .entry import Arranged, TextureEntry
-from .export_spec import Arrangement, ExportSpec, Target, TextureFormat
+from .export_spec import Arrangement, ExportSpec, TextureFormat
 from .stream import light_of, pour_matrix, pour_slices
 from .texture_files import copy_exr, entry_of, write_encoded
 
@@ -47,7 +47,7 @@ def write_matrix(image: ImageRows, layout: AtlasLayout, spec: ExportSpec, folder
     cells = 1 if sliced else layout.bucket
     width, height = pages.width * cells, pages.height * cells
     layers = layout.bucket**2 if sliced else pages.layers
-    stored = most_levels(width, height) if spec.target is Target.GODOT and levels > 1 else levels
+    stored = most_levels(width, height) if spec.target.traits.all_levels and levels > 1 else levels
     path = folder / source.with_suffix(f".{container}").name
     with texture_file(Form(kind, width, height, layers, stored, is_array), folder) as texture:
         if sliced:

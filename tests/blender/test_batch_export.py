@@ -22,7 +22,7 @@ from radtex_addon.cli.export_arguments import ExportRequest, parse_export
 from radtex_addon.cli.options import ProgressStyle
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.sampler import Filter
-from radtex_addon.export import web
+from radtex_addon.export.targets import web
 from radtex_addon.job import bake_object
 from radtex_addon.textures.export_spec import Arrangement, ExportSpec, Target, TextureFormat
 from tests.blender import stage

@@ -16,11 +16,10 @@ import pytest
 from radtex_addon.bake.progress import finished
 from radtex_addon.bake.spec import BakeSpec, Kind
 from radtex_addon.core.sampler import Filter
-from radtex_addon.export import web
-from radtex_addon.export.exporting import ExportSource, export_steps
-from radtex_addon.export.texture_size import about_texture_bytes
+from radtex_addon.export.exporting import ExportSource, about_texture_bytes, export_steps
+from radtex_addon.export.targets import web
 from radtex_addon.job import bake_object
-from radtex_addon.textures.export_spec import TAKES, ExportSpec, Target
+from radtex_addon.textures.export_spec import ExportSpec, Target
 from radtex_addon.ui import registration
 from radtex_addon.ui.operators.export_dialog import dialog_title, draw_dialog
 from radtex_addon.ui.operators.export_operator import RADTEX_OT_export
@@ -123,7 +122,7 @@ def test_every_dialog_shows_the_settings_that_apply(
             "layered": {"arrangement", "levels"},
             "shadow": {"format", "arrangement", "levels"},
         }[kept]
-        reads_ktx2 = any(form.startswith("ktx2") for form in TAKES[target])
+        reads_ktx2 = any(form.startswith("ktx2") for form in target.traits.formats)
         hidden |= set() if reads_ktx2 else {"zstd"}
         assert STORED - set(drawn.settings) == hidden, target
         assert drawn.settings[0] == "target"

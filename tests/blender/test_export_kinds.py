@@ -25,7 +25,7 @@ from radtex_addon.core.sampler import Filter, mean_over_lights
 from radtex_addon.export.export_manifest import read_manifest
 from radtex_addon.export.exporting import export_steps
 from radtex_addon.export.folder import files_in
-from radtex_addon.export.write_godot import LOOKUPS
+from radtex_addon.export.targets.godot import LOOKUPS
 from radtex_addon.formats.codecs.srgb import to_srgb
 from radtex_addon.formats.containers.glb import Glb
 from radtex_addon.formats.containers.texture import PixelFormat

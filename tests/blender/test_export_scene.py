@@ -19,12 +19,12 @@ from radtex_addon.bake.progress import finished
 from radtex_addon.cli import main as batch_module
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import InputError
-from radtex_addon.export import web
 from radtex_addon.export.export_manifest import Manifest
 from radtex_addon.export.exporting import Exported, export_steps
 from radtex_addon.export.exporting_scene import export_scene_steps
 from radtex_addon.export.folder import LIST, files_in
 from radtex_addon.export.gltf import extension_in
+from radtex_addon.export.targets import web
 from radtex_addon.formats.containers.glb import Glb
 from radtex_addon.textures.export_spec import ExportSpec, Target
 from tests.blender.fingerprint import differences, fingerprint

@@ -84,7 +84,7 @@ def test_a_form_keeps_to_the_interface(name: str, tmp_path: Path) -> None:
     assert all((folder / entry.file).is_file() for entry in entries.values())
     shaders = Path(__file__).resolve().parents[2] / "shaders"
     assert all((shaders / f"{stem}.glsl").is_file() for stem in form.includes(facts.values))
-    assert form.usage(facts.values, entries, Target.RAW)
+    assert form.usage(facts.values, entries)
     if name in ("buckets", "layered"):
         check_lookup(form, sidecar)
     # what is damaged is refused

@@ -20,8 +20,8 @@ import pytest
 from radtex_addon.bake.spec import BakeSpec, Kind, Layout
 from radtex_addon.core.errors import BakeError, InputError
 from radtex_addon.core.sampler import Filter
-from radtex_addon.export import web
 from radtex_addon.export.folder import is_whole
+from radtex_addon.export.targets import web
 from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.forms.layered import bake as layered
 from radtex_addon.job import bake_object

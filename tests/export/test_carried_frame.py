@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 
 from radtex_addon.core.arrays import Floats
-from radtex_addon.export.node_matrix import baked_matrix
-from radtex_addon.export.unity_unreal import apply_turn_and_scale, carry_frame
+from radtex_addon.export.unity_unreal import apply_turn_and_scale, baked_matrix, carry_frame
 from radtex_addon.formats.containers.glb import Glb
 
 NORMAL, TANGENT = np.array([0.6, 0.0, 0.8]), np.array([0.8, 0.0, -0.6])

@@ -14,6 +14,8 @@ from collections.abc import Iterator
 import pytest
 
 from radtex_addon.bake.kinds import KINDS, Kind, Layout, Light
+from radtex_addon.bake.targets import TARGETS, Target, targets_of
+from radtex_addon.export.targets import writer_of
 from tests.package import support_matrix
 from tests.package.test_layers import PACKAGE
 
@@ -61,10 +63,22 @@ def test_every_kind_has_a_row() -> None:
     assert list(KINDS) == list(Kind)
 
 
+def test_every_target_has_a_row_and_a_writer() -> None:
+    assert set(TARGETS) == set(Target)
+    assert all(callable(writer_of(target).write) for target in Target)
+
+
+def test_no_target_is_compared() -> None:
+    """What depends on the target is a column of its row, or in its module."""
+    compared = re.compile(r"(\bis|\bin|[!=]=)\s+(not\s+)?\(?Target\.[A-Z]")
+    files = PACKAGE.rglob("*.py")
+    assert [path.name for path in files if compared.search(path.read_text(encoding="utf-8"))] == []
+
+
 def test_the_web_page_has_the_tables_kinds() -> None:
     text = WEB_PAGE.read_text(encoding="utf-8")
     (union,) = re.findall(r"export type Kind = ([^;]*);", text)
-    assert re.findall(r'"(\w+)"', union) == [kind for kind, row in KINDS.items() if "web" in row.exports]
+    assert re.findall(r'"(\w+)"', union) == [kind for kind in KINDS if Target.WEB in targets_of(kind)]
 
 
 def test_the_web_page_lights_what_depends_on_lamps() -> None:

@@ -20,7 +20,7 @@ from pathlib import Path
 import bpy
 import pytest
 
-from radtex_addon.export.web import BUILT
+from radtex_addon.export.targets.web import BUILT
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs/tutorials/pipeline.md"

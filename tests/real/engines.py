@@ -19,8 +19,7 @@ from typing import Any
 import numpy as np
 
 from radtex_addon.core.arrays import Floats
-from radtex_addon.export.node_matrix import baked_matrix
-from radtex_addon.export.unity_unreal import apply_turn_and_scale, carry_frame
+from radtex_addon.export.unity_unreal import apply_turn_and_scale, baked_matrix, carry_frame
 from radtex_addon.formats.containers.glb import Glb
 from radtex_addon.formats.containers.texture import PixelFormat
 from radtex_addon.textures.entry import Arranged, Container, TextureEntry

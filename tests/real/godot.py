@@ -16,7 +16,7 @@ import PIL.Image
 
 from radtex_addon.core.arrays import Floats
 from radtex_addon.export.export_manifest import read_manifest
-from radtex_addon.export.write_godot import copy_addon
+from radtex_addon.export.targets.godot import copy_addon
 from radtex_addon.report.metrics import Picture
 from tests.lookups import SIDE
 from tests.real.exhibit import Camera

@@ -16,7 +16,7 @@ from typing import Any
 import pytest
 
 from radtex_addon.export.gltf import extension_in
-from radtex_addon.export.web import BUILT
+from radtex_addon.export.targets.web import BUILT
 from radtex_addon.formats.containers.glb import Glb
 from tests.gltf_schema import EXTENSION_FOLDER, problems
 from tests.real.web import SOURCES, Site, build_page, node

@@ -20,8 +20,8 @@ import pytest
 
 from radtex_addon.core.arrays import Floats
 from radtex_addon.export.exporting import export_steps
-from radtex_addon.export.node_matrix import baked_matrix
-from radtex_addon.export.write_unity import SHARED, TEMPLATES, object_text, script_text, shader_text
+from radtex_addon.export.targets.unity import SHARED, TEMPLATES, object_text, script_text, shader_text
+from radtex_addon.export.unity_unreal import baked_matrix
 from radtex_addon.formats.containers.dds import write_texture
 from radtex_addon.formats.containers.glb import Glb
 from radtex_addon.formats.containers.texture import PixelFormat, Texture, encode_texture

@@ -19,9 +19,8 @@ import pytest
 from radtex_addon.core.arrays import Floats
 from radtex_addon.export.export_manifest import read_manifest
 from radtex_addon.export.exporting import export_steps
-from radtex_addon.export.node_matrix import baked_matrix
-from radtex_addon.export.templates import filled
-from radtex_addon.export.write_unreal import (
+from radtex_addon.export.pack import filled
+from radtex_addon.export.targets.unreal import (
     SCRIPT,
     TEMPLATES,
     custom_text,
@@ -29,6 +28,7 @@ from radtex_addon.export.write_unreal import (
     script_words,
     texture_input,
 )
+from radtex_addon.export.unity_unreal import baked_matrix
 from radtex_addon.formats.containers.glb import Glb
 from radtex_addon.forms.hlsl_lookup import HlslLookup
 from radtex_addon.textures.export_spec import ExportSpec, Target

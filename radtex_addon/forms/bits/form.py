@@ -40,7 +40,7 @@ from ...formats.sidecar_file import SidecarFile
 from ...preview.lit_material import preview_shadow_material
 from ...preview.osl import no_script
 from ...textures.entry import Arranged, Container, TextureEntry
-from ...textures.export_spec import Arrangement, ExportSpec, Step, Target, TextureFormat
+from ...textures.export_spec import Arrangement, ExportSpec, Step, TextureFormat
 from ...textures.flat_lightmap import check_means, mean_of_buckets
 from ..bake_job import BakeJob
 from ..buckets.form import Buckets
@@ -183,9 +183,7 @@ class Bits(Buckets):
     def includes(self, bake: Mapping[str, Any]) -> tuple[str, ...]:
         return ("radtex", "radtex_shadow")
 
-    def usage(
-        self, bake: Mapping[str, Any], textures: Mapping[str, TextureEntry], target: Target
-    ) -> list[str]:
+    def usage(self, bake: Mapping[str, Any], textures: Mapping[str, TextureEntry]) -> list[str]:
         (width, height), n = bake["texels"], bake["bucket"]
         layered = ["#define RADTEX_SHADOW_LAYERS"] if textures[bake["kind"]].layers > 1 else []
         return [*layered, f"radtex_shadow(bits, ({width}, {height}), uv), then radtex_visible(…, {n}, I)"]

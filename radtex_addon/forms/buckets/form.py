@@ -30,7 +30,7 @@ from ...formats.sidecar_file import AnySidecar, SidecarFile
 from ...preview.material import preview_material
 from ...preview.node_group import check_previewable
 from ...preview.osl import add_osl_node
-from ...textures.entry import Arranged, Container, TextureEntry
+from ...textures.entry import Arranged, TextureEntry
 from ...textures.export_spec import ExportSpec, Step, Target
 from ..bake_job import BakeJob
 from ..form import Form, Opened, PreviewOf
@@ -131,9 +131,7 @@ class Buckets:
     def includes(self, bake: Mapping[str, Any]) -> tuple[str, ...]:
         return ("radtex",)
 
-    def usage(
-        self, bake: Mapping[str, Any], textures: Mapping[str, TextureEntry], target: Target
-    ) -> list[str]:
+    def usage(self, bake: Mapping[str, Any], textures: Mapping[str, TextureEntry]) -> list[str]:
         entry, n = textures[bake["kind"]], bake["bucket"]
         if entry.arrangement is Arranged.SLICES:
             return [f"radtex_slices(slices, {n}, uv, I), of a texture array with {n} x {n} layers"]
@@ -146,7 +144,7 @@ class Buckets:
             lookups.append(
                 "base: an image, looked up at uv by plain bilinear filtering; base + rest is the whole"
             )
-        return [*defines(entry, target), *lookups]
+        return [*defines(entry), *lookups]
 
     def shader_facts(
         self, bake: Mapping[str, Any], textures: Mapping[str, TextureEntry]
@@ -171,15 +169,12 @@ def has_samples_and_cells(facts: Facts, spec: BakeSpec) -> bool:
     return (samples, cells) == (spec.samples, spec.bucket)
 
 
-def defines(entry: TextureEntry, target: Target) -> list[str]:
+def defines(entry: TextureEntry) -> list[str]:
     """The #defines of a shader for a matrix of buckets."""
-    lines = []
-    if entry.layers > 1:
-        columns, rows, across, up = (*entry.pages, *entry.page_texels)
-        lines.append(f"#define RADTEX_PAGES, pages = ({columns}, {rows}, {across}, {up})")
-    if entry.container is Container.EXR and target is Target.UNREAL:
-        lines.append("#define RADTEX_TOP_DOWN")
-    return lines
+    if entry.layers == 1:
+        return []
+    columns, rows, across, up = (*entry.pages, *entry.page_texels)
+    return [f"#define RADTEX_PAGES, pages = ({columns}, {rows}, {across}, {up})"]
 
 
 FORM: Form = Buckets()

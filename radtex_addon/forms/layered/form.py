@@ -139,9 +139,7 @@ class Layered:
         through = "through" in bake["layered"]
         return ("radtex_layered", "radtex_layered_through") if through else ("radtex_layered",)
 
-    def usage(
-        self, bake: Mapping[str, Any], textures: Mapping[str, TextureEntry], target: Target
-    ) -> list[str]:
+    def usage(self, bake: Mapping[str, Any], textures: Mapping[str, TextureEntry]) -> list[str]:
         return [
             "radtex_layered(uv, position, N, V), premultiplied by radtex_alpha(uv), in the world space of",
             "the bake, in Blender's axes (z up). What to define, and all uniforms, stand in the manifest,",

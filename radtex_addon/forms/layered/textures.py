@@ -28,7 +28,7 @@ from ...formats.image_files import layer_path
 from ...formats.sidecar_file import SidecarFile
 from ...textures.choice import choose, in_blocks, light_in_blocks
 from ...textures.entry import TextureEntry
-from ...textures.export_spec import Arrangement, ExportSpec, Step, Target, Task, TextureFormat
+from ...textures.export_spec import Arrangement, ExportSpec, Step, Task, TextureFormat
 from ...textures.flat_lightmap import check_surface, even_directions
 from ...textures.texture_files import write_levels, write_ranged
 from .blocks import FORMATS, coded
@@ -145,6 +145,6 @@ def _write_blocks(
 ) -> TextureEntry:
     found = coded(layer, levels)
     texture = found.texture
-    if spec.target is Target.GODOT:  # its KTX2 loader takes no sRGB formats: the shader decodes them
+    if not spec.target.traits.srgb:  # the shader decodes them
         texture = replace(texture, format=texture.format.without_srgb)
     return write_ranged(source, texture, found.texels, (found.scale, found.offset), spec, folder)

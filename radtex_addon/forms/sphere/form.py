@@ -195,14 +195,12 @@ class Sphere(Buckets):
     def includes(self, bake: Mapping[str, Any]) -> tuple[str, ...]:
         return ("radtex", "radtex_transfer")
 
-    def usage(
-        self, bake: Mapping[str, Any], textures: Mapping[str, TextureEntry], target: Target
-    ) -> list[str]:
+    def usage(self, bake: Mapping[str, Any], textures: Mapping[str, TextureEntry]) -> list[str]:
         size, n, views = "({}, {})".format(*bake["texels"]), bake["bucket"], bake["transfer"].get("views", 1)
         lookup = f"radtex_transfer(atlas, {size}, {n}, uv, L)"
         if views > 1:
             lookup = f"radtex_transfer_around(atlas, {size}, {views}, {n}, uv, I, L)"
-        return [*defines(textures[bake["kind"]], target), f"{lookup}, L being the light's direction"]
+        return [*defines(textures[bake["kind"]]), f"{lookup}, L being the light's direction"]
 
     def hlsl(
         self, bake: Mapping[str, Any], textures: Mapping[str, TextureEntry], target: Target

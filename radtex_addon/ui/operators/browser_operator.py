@@ -77,7 +77,7 @@ class RADTEX_OT_show_in_browser(MayWait, OfBake, bpy.types.Operator):
     def _show(self, sources: Sequence[ExportSource]) -> None:
         """Open the pages of the bakes, once those that are missing or outdated are exported."""
         from ...core.errors import InputError
-        from ...export.earlier_export import current_manifest
+        from ...export.exporting import current_manifest
         from ...textures.export_spec import Target
 
         if len(sources) > _MOST_PAGES:
@@ -129,7 +129,7 @@ def open_exported(job: Job) -> None:
 def _spec_like_before(source: ExportSource, out: Path) -> ExportSpec:
     """How to export for the web: with the layers and the mirror ball of an export that is replaced."""
     from ...bake.choices import parse_layer
-    from ...export.earlier_export import earlier_manifest
+    from ...export.exporting import earlier_manifest
     from ...textures.export_spec import ExportSpec, Target
 
     earlier = earlier_manifest(source, out)
@@ -151,7 +151,7 @@ def _is_being_exported(out: Path) -> bool:
 def _checked_page(folder: Path) -> Path:
     """The folder. Raises InputError if it is no export for the web."""
     from ...core.errors import InputError
-    from ...export.earlier_export import is_export
+    from ...export.folder import is_export
 
     if not (is_export(folder) and (folder / "index.html").is_file()):
         raise InputError(f"{folder} holds no web page: export the bake for Web first")

@@ -15,6 +15,7 @@ import bpy
 
 from ...bake.bake_title import bake_title, variant_title
 from ...bake.menu_items import KINDS
+from ...bake.targets import Target
 from ..panel.draw_messages import wrapped
 from ..panel.labels import iface_, remark, size
 
@@ -28,14 +29,6 @@ _ROOM = WIDTH - 60.0  # for text: without margins and icon
 _KTX2 = "ktx2"
 _NAMED = 3  # objects whose names are shown; of more the number
 _KINDS = {identifier: name for identifier, name, _ in KINDS}
-NEEDS = {  # by target
-    "web": "Show in Browser opens it. On a site of your own, any web server will do",
-    "godot": "Open project.godot in Godot 4, and press F5",
-    "gltf": "Every viewer shows the flat lightmap; the light of each direction needs the shader beside it",
-    "unity": "Copy the folder into Assets without .unity in its name, then Assets > RadTex > Set up",
-    "unreal": "In the editor: Tools > Execute Python Script, the .py of the folder",
-    "raw": "For an engine of your own: take the shader include of its language",
-}
 
 
 @dataclass(frozen=True)
@@ -61,10 +54,9 @@ def planned(
 
     One folder if all are exported as one `scene`.
     """
-    from ...export.earlier_export import is_export
-    from ...export.exporting import check_export, check_folders_differ
+    from ...export.exporting import about_texture_bytes, check_export, check_folders_differ
     from ...export.exporting_scene import check_scene
-    from ...export.texture_size import about_texture_bytes
+    from ...export.folder import is_export
 
     if scene:
         errors = _errors_of([partial(check_scene, sources, spec, outs[0], overwrite=True)])
@@ -104,19 +96,18 @@ def applicable(
     `scene` is whether they are exported as one scene.
     """
     from ...bake.kinds import KINDS as TABLE
-    from ...textures.export_spec import MIRRORS, TAKES, Target
 
-    names = {"limit"}
+    traits, names = Target(target).traits, {"limit"}
     forms = [source.form.traits for source in sources]
     if not any(form.bits for form in forms):
         names.add("format")
-    takes_ktx2 = any(taken.startswith(_KTX2) for taken in TAKES[Target(target)])
+    takes_ktx2 = any(taken.startswith(_KTX2) for taken in traits.formats)
     if takes_ktx2 and (form == "auto" or form.startswith(_KTX2)):
         names.add("zstd")
     if all(form.arranges for form in forms):
         names |= {"arrangement", "levels"}
-    mirrored = {kind for kind, traits in TABLE.items() if traits.looks_at_surface}
-    if not scene and target in MIRRORS and all(source.bake.kind in mirrored for source in sources):
+    mirrored = {kind for kind, row in TABLE.items() if row.looks_at_surface}
+    if not scene and traits.mirror and all(source.bake.kind in mirrored for source in sources):
         names.add("mirror")
     return frozenset(names)
 
@@ -177,7 +168,7 @@ def draw_dialog(layout: Any, settings: Any, plan: Plan) -> None:
         _draw_text(layout, line, "TEXTURE" if number == 0 else "BLANK1")
     layout.separator()
     layout.prop(settings, "target")
-    _draw_text(layout, iface_(NEEDS[settings.target]), "BLANK1")
+    _draw_text(layout, iface_(Target(settings.target).traits.next_step), "BLANK1")
     several = len(plan.sources) > 1
     if several:
         layout.prop(settings, "as_scene")

@@ -11,6 +11,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
 
 from ...bake.menu_items import TARGETS
+from ...bake.targets import DEFAULT_TARGET, Target
 from ..panel.labels import iface_, remark
 from ..settings.preferences import preferred, remember_export
 from .bake_lookup import in_object_mode
@@ -42,6 +43,8 @@ ARRANGEMENTS = (
     ("slices", "Slices", "An array with a layer for each cell, which a GPU blends between texels by itself"),
 )
 
+_MIRRORS = " and ".join(each.traits.called or each.traits.title for each in Target if each.traits.mirror)
+
 
 class RADTEX_OT_export(MayWait, OfBake, bpy.types.Operator):
     """Make a folder of the bake that an engine or a browser takes: mesh, textures, shaders"""
@@ -68,7 +71,9 @@ class RADTEX_OT_export(MayWait, OfBake, bpy.types.Operator):
         _sources: tuple[ExportSource, ...]  # the bakes that the dialog is about; empty without a dialog
         _plan: tuple[object, Plan] | None  # settings of the dialog, and the plan for them
     else:
-        target: EnumProperty(name="Target", description="Who takes the folder", items=TARGETS, default="gltf")
+        target: EnumProperty(
+            name="Target", description="Who takes the folder", items=TARGETS, default=DEFAULT_TARGET.value
+        )
         format: EnumProperty(
             name="Format", description="How the textures are stored", items=FORMATS, default="auto"
         )
@@ -101,7 +106,7 @@ class RADTEX_OT_export(MayWait, OfBake, bpy.types.Operator):
         )
         mirror: BoolProperty(
             name="Mirror Ball",
-            description="For the web and Godot: a chrome ball that moves and mirrors the bake",
+            description=f"For {_MIRRORS}: a chrome ball that moves and mirrors the bake",
             default=False,
         )
         as_scene: BoolProperty(
@@ -185,9 +190,7 @@ class RADTEX_OT_export(MayWait, OfBake, bpy.types.Operator):
 
     def check(self, context: bpy.types.Context | None) -> bool:
         """After each change in the dialog: leave a format that the target does not read."""
-        from ...textures.export_spec import TAKES, Target, TextureFormat
-
-        if TextureFormat(self.format) not in TAKES[Target(self.target)]:
+        if self.format not in Target(self.target).traits.formats:
             self.format = "auto"
         return True
 

@@ -14,6 +14,7 @@ from bpy.app.handlers import persistent
 from bpy.props import EnumProperty, IntProperty, StringProperty
 
 from ...bake.menu_items import DEVICES, TARGETS
+from ...bake.targets import DEFAULT_TARGET
 from ...core.errors import InputError
 from ..panel.labels import iface_
 from .bake_settings import NAMES
@@ -36,7 +37,7 @@ class Preferred:
     cache: Path | None = None
     memory_mb: int | None = None
     preset: str = ""
-    export_target: str = "gltf"
+    export_target: str = DEFAULT_TARGET.value
     export_into: str = ""
 
 
@@ -91,7 +92,7 @@ class RADTEX_preferences(bpy.types.AddonPreferences):
             name="Export To",
             description="What the export dialog starts with: the target that was last chosen there",
             items=TARGETS,
-            default="gltf",
+            default=DEFAULT_TARGET.value,
         )
         export_into: StringProperty(
             name="Export Into",

@@ -4,33 +4,33 @@
 
 from __future__ import annotations
 
-import re
 import shutil
 from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 
-from ..bake.kinds import Kind
-from ..core.arrays import Floats
-from ..core.quoting import csharp_string, in_comment, shaderlab_string
-from ..formats.containers.glb import Glb
-from ..forms.hlsl_lookup import ARGUMENTS, HlslLookup, numbers
-from ..textures.entry import TextureEntry
-from ..textures.export_spec import Target
-from .engines import file_lines
-from .node_matrix import baked_matrix
-from .pack import SHADERS, Pack
-from .templates import filled, write_text_file
-from .unity_unreal import (
+from ...bake.kinds import Kind
+from ...bake.targets import Target
+from ...core.arrays import Floats
+from ...core.quoting import csharp_string, in_comment, shaderlab_string
+from ...formats.containers.glb import Glb
+from ...forms.hlsl_lookup import ARGUMENTS, HlslLookup, numbers
+from ..engines import file_lines
+from ..pack import SHADERS, Pack, filled, write_text_file
+from ..unity_unreal import (
     ATTRIBUTES,
+    baked_matrix,
     carry_frame,
     constant_lines,
     define_lines,
+    identifier,
     indented,
     is_clear,
     material_numbers,
+    texture_type,
 )
+from . import Writer
 
 TEMPLATES = SHADERS / "unity"
 SHARED = "radtex_unity.hlsl"  # the one file of TEMPLATES that is copied as it is
@@ -54,7 +54,7 @@ def write_unity(pack: Pack, folder: Path) -> None:
     write_text_file(folder / f"{name}.shader", shader_text(name, title, lookup, is_clear(glb), culled))
     (folder / "Editor").mkdir()
     script = script_text(name, manifest.bake["kind"], manifest.mesh, lookup, material_numbers(glb))
-    write_text_file(folder / "Editor" / f"{identifier(name, manifest.bake['kind'])}.cs", script)
+    write_text_file(folder / "Editor" / f"_{identifier(name, manifest.bake['kind'])}.cs", script)
     files = "\n".join(file_lines(manifest, ATTRIBUTES))
     readme = {"NAME": in_comment(name), "TITLE": in_comment(title), "FILES": files}
     write_text_file(folder / "README.txt", filled(TEMPLATES / "README.txt", readme))
@@ -107,11 +107,6 @@ def shader_text(name: str, title: str, lookup: HlslLookup, clear: bool, culled: 
     return filled(TEMPLATES / "object.shader", words)
 
 
-def texture_type(entry: TextureEntry) -> str:
-    """A texture's type in HLSL."""
-    return "Texture2DArray" if entry.layers > 1 else "Texture2D"
-
-
 def _of_materials(lookup: HlslLookup) -> str:
     """The constants of each material, chosen by a keyword."""
     if len(lookup.materials) == 1:
@@ -133,7 +128,7 @@ def script_text(name: str, kind: str, mesh: str, lookup: HlslLookup, materials: 
         "NAME": _inside_quotes(name),
         "TITLE": _inside_quotes(title_of(name, kind)),
         "MESH": _inside_quotes(mesh),
-        "IDENTIFIER": identifier(name, kind),
+        "IDENTIFIER": f"_{identifier(name, kind)}",  # of a namespace, so that exports may lie side by side
         "TEXTURE_FILES": indented("\n".join(files), 12),
         "MATERIAL_NUMBERS": indented("\n".join(listed), 12),
         "FIRST_NUMBER": str(next(iter(materials.values()))),
@@ -146,10 +141,8 @@ def title_of(name: str, kind: str) -> str:
     return f"{name} ({kind})"
 
 
-def identifier(name: str, kind: str) -> str:
-    """A name for C#. Each export's classes are in a namespace, so that exports may lie side by side."""
-    return "_" + re.sub(r"\W", "_", f"{name}_{kind}", flags=re.ASCII)
-
-
 def _inside_quotes(text: str) -> str:
     return csharp_string(text)[1:-1]
+
+
+WRITER = Writer(write_unity)

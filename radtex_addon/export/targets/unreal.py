@@ -15,26 +15,27 @@ from pathlib import Path
 
 import numpy as np
 
-from ..bake.kinds import Kind
-from ..core.arrays import Floats
-from ..core.quoting import in_comment, python_string
-from ..formats.containers.glb import Glb
-from ..forms.hlsl_lookup import ARGUMENTS, SAMPLER, HlslLookup, Number, keeps_levels, numbers
-from ..textures.export_spec import Target
-from .engines import file_lines
-from .node_matrix import baked_matrix
-from .pack import SHADERS, Pack
-from .templates import filled, write_text_file
-from .unity_unreal import (
+from ...bake.kinds import Kind
+from ...bake.targets import Target
+from ...core.arrays import Floats
+from ...core.quoting import in_comment, python_string
+from ...formats.containers.glb import Glb
+from ...forms.hlsl_lookup import ARGUMENTS, SAMPLER, HlslLookup, Number, keeps_levels, numbers
+from ..engines import file_lines
+from ..pack import SHADERS, Pack, filled, write_text_file
+from ..unity_unreal import (
     ATTRIBUTES,
     apply_turn_and_scale,
+    baked_matrix,
     carry_frame,
     define_lines,
+    identifier,
     indented,
     is_clear,
     material_numbers,
+    texture_type,
 )
-from .write_unity import texture_type
+from . import Writer
 
 TEMPLATES = SHADERS / "unreal"
 SCRIPT = "import_radtex.py.template"
@@ -129,11 +130,6 @@ def texture_input(texture: str) -> str:
     return "".join(word.capitalize() for word in words)
 
 
-def identifier(name: str, kind: str) -> str:
-    """A name for assets and for a Python file."""
-    return re.sub(r"\W", "_", f"{name}_{kind}", flags=re.ASCII)
-
-
 def script_words(
     name: str, kind: str, mesh: str, lookup: HlslLookup, codes: Mapping[str, str]
 ) -> dict[str, str]:
@@ -183,3 +179,6 @@ def _more_inputs(lookup: HlslLookup) -> str:
     place = ", Place (Absolute World\n// Position, transformed likewise)" if reads_places(lookup) else ""
     sun = ", Sun (towards it, transformed likewise), Irradiance" if lookup.relit else ""
     return f"{place}{sun}, and Texture Objects:\n// {textures}"
+
+
+WRITER = Writer(write_unreal)

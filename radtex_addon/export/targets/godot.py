@@ -11,12 +11,11 @@ import shutil
 from collections.abc import Sequence
 from pathlib import Path
 
-from ..bake.kinds import Kind, Lit
-from ..core.quoting import godot_string, in_comment
-from .export_manifest import Manifest
-from .pack import SHADERS, Pack
-from .scene_manifest import ScenePack
-from .templates import filled, write_text_file
+from ...bake.kinds import Kind, Lit
+from ...core.quoting import godot_string, in_comment
+from ..export_manifest import Manifest
+from ..pack import SHADERS, Pack, ScenePack, filled, write_text_file
+from . import Writer
 
 ADDON = Path("addons", "radtex")  # where Godot's asset library and every project have it
 LOOKUPS = (
@@ -27,7 +26,7 @@ LOOKUPS = (
     "radtex_trace",
     "radtex_transfer",
 )
-TEMPLATES = Path(__file__).with_name("godot_project")
+TEMPLATES = Path(__file__).parents[1] / "godot_project"
 _MIRROR = """\
 [node name="Mirror" type="MeshInstance3D" parent="."]
 script = ExtResource("4")
@@ -94,3 +93,6 @@ def _files_to_copy(manifests: Sequence[Manifest]) -> list[str]:
     textures = [entry.file for manifest in manifests for entry in manifest.textures.values()]
     mirrors = [manifest.mirror.entry.file for manifest in manifests if manifest.mirror is not None]
     return list(dict.fromkeys([manifests[0].mesh, *textures, *mirrors]))
+
+
+WRITER = Writer(write_godot, write_godot)

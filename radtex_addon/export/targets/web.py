@@ -8,12 +8,12 @@ import shutil
 from pathlib import Path
 from urllib.parse import quote
 
-from ..core.errors import InputError
-from .export_manifest import EXTENSION
-from .pack import Pack
-from .scene_manifest import ScenePack
+from ...core.errors import InputError
+from ..export_manifest import EXTENSION
+from ..pack import Pack, ScenePack
+from . import Writer
 
-BUILT = Path(__file__).with_name("web") / "built"  # made by .ci/build_web.py of shaders/three
+BUILT = Path(__file__).parents[1] / "web" / "built"  # made by .ci/build_web.py of shaders/three
 FILES = ("index.html", "viewer.css", "viewer.js", "LICENSES.txt")
 # The first picture needs these: browsers fetch them while they still load the page's script.
 _PRELOAD = '<link rel="preload" href="{}" as="fetch" crossorigin />'
@@ -42,3 +42,6 @@ def write_web(pack: Pack | ScenePack, folder: Path) -> None:
 def _address(file: str) -> str:
     """As encodeURIComponent writes it: browsers take what was preloaded for that very address alone."""
     return quote(file, safe="!'()*")
+
+
+WRITER = Writer(write_web, write_web, check_page)
