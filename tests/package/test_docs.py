@@ -121,6 +121,6 @@ def test_files_of_code_that_pages_name_are_there() -> None:
     missing = {
         (page, name)
         for page, name in named
-        if not name.startswith("forms/NAME/") and not any((root / name).is_file() for root in roots)
+        if "NAME" not in name and not any((root / name).is_file() for root in roots)
     }
     assert not missing
