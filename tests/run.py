@@ -57,6 +57,7 @@ BUDGETS = {
     "tests/bench": 10,
 }
 BAKES = "tests/blender"  # half of the processor time
+ALSO = ("tests/package", "tests/formats")  # what one half of those does besides, so that both take as long
 REAL = "tests/real"  # where other programs are started, in the newest Blender's run alone
 
 
@@ -83,6 +84,7 @@ def main() -> int:
     outcomes = [run.result() for run in ended]
     costs = [cost for _, outcome in outcomes for cost in outcome.costs]
     if options.costs is not None:
+        options.costs.parent.mkdir(parents=True, exist_ok=True)
         options.costs.write_text(json.dumps([asdict(cost) for cost in costs], indent=1), encoding="utf-8")
     if not pytest_arguments:
         print("\n".join(["", *cost_table(costs)]))
@@ -103,8 +105,9 @@ def build_page() -> None:
 def in_two(blender: str) -> dict[str, list[str]]:
     """Two runs of all but real programs, of about the same length, so that no core waits at the end."""
     files = sorted(path.relative_to(ROOT).as_posix() for path in (ROOT / BAKES).glob("test_*.py"))
-    others = [f"--ignore={file}" for file in files[::2]]
-    return {blender: [f"--ignore={REAL}", *others], f"{blender} bakes": files[::2]}
+    half = [*files[::2], *ALSO]
+    others = [f"--ignore={file}" for file in half]
+    return {blender: [f"--ignore={REAL}", *others], f"{blender} bakes": half}
 
 
 @dataclass(frozen=True)

@@ -48,7 +48,7 @@ def test_a_room_of_all_layouts_is_one_page(web: Site, room: list[Path]) -> None:
     folder = web.folder / "room"
     finished(export_scene_steps(room, ExportSpec(Target.WEB), "Room (1)", folder))
     asked: list[str] = []
-    with web.opened("room/") as shown:
+    with web.opened("room/", 1000, 700) as shown:
         shown.wait()
         shown.page.on("request", lambda request: asked.append(request.url))
         shown.page.reload()
