@@ -26,7 +26,7 @@ from .rows import random_half
 COUNT = 9
 _TINY = 1e-9  # for buckets without samples
 _RIDGE = 0.03  # as of the lightmap of spherical harmonics; with less, noise is told, too
-_AT_ONCE = 1 << 13  # samples in hand, of nine numbers each
+_AT_ONCE = 1 << 16  # samples in hand, of nine numbers each
 _SEED = 1
 
 
