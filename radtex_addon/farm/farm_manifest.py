@@ -268,7 +268,7 @@ def check_farmable(spec: BakeSpec) -> None:
             f"a farm bakes the layout {Layout.BUCKETS}, not {spec.layout}, "
             "whose captures build on one another: bake that without a farm"
         )
-    if spec.accumulate or spec.refresh:
+    if spec.incremental:
         raise InputError(
             "a farm bakes anew", leave_out(Setting.ACCUMULATE, Setting.REFRESH), do("bake without a farm")
         )

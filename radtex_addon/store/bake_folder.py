@@ -248,7 +248,7 @@ class BakeFolder:
 
     @property
     def _adds(self) -> bool:
-        return self.spec.accumulate or self.spec.refresh
+        return self.spec.incremental
 
     def _replaces(self, exports: Collection[Target]) -> list[Path]:
         return [*self.files.own, *(self.files.export(target) for target in exports)]

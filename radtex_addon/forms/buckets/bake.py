@@ -53,7 +53,7 @@ def bake_buckets(job: BakeJob) -> Generator[Progress, None, Outcome]:
     spec, prepared = job.spec, job.prepared
     scratch, folder, store = job.scratch, job.folder, job.store
     facts = prepared.facts(spec)
-    earlier = read_earlier(job.sidecar, facts) if spec.accumulate or spec.refresh else None
+    earlier = read_earlier(job.sidecar, facts) if spec.incremental else None
     texels = prepared.texels()
     if earlier is not None and earlier.denoised:
         log.warning(

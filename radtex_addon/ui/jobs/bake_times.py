@@ -83,7 +83,7 @@ def remember_job(scene: BakedScene, job: Job, seconds: float) -> None:
     if order["resume"] or not facts.get("covered_texels") or not facts.get("triangles"):
         return
     spec = spec_in(Facts(dict(order["spec"]), "the order"))
-    if spec.accumulate or spec.refresh:
+    if spec.incremental:
         return
     work = BakeWork.of(
         spec,
