@@ -1,19 +1,28 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The specification of a bake: what to bake, and how; checked once, when it is made."""
+"""The specification of a bake: what to bake, and how; checked once, when it is made.
+
+Then as JSON, for farms and background workers, and what of it tells bakes apart.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import json
+from dataclasses import dataclass, fields
+from enum import StrEnum
 from math import ceil, sqrt
-from typing import cast
+from types import UnionType
+from typing import Any, Union, cast, get_args, get_origin, get_type_hints
 
+from ..core.errors import FormatError, RadTexError
 from ..formats.containers.compression import Compression
-from .choices import CaptureMethod, Unwrap, View, parse, parse_capture, parse_kind, parse_layer, parse_layout
+from ..formats.json_reader import Facts
+from .choices import CaptureMethod, Unwrap, View, parse
 from .denoising import denoising_bytes
 from .forms import FormTraits
 from .kinds import Kind, Layout, form_of
 from .layers import OF_LAYER, WHOLE, Layer, captured
+from .option import Option
 from .options import MARKED, OPTIONS, BakeOptions
 from .parts import Split
 from .plan import MAX_IMAGE_SIDE
@@ -32,10 +41,12 @@ __all__ = [
     "Split",
     "Unwrap",
     "View",
-    "parse_capture",
-    "parse_kind",
-    "parse_layer",
-    "parse_layout",
+    "as_json",
+    "facts_of",
+    "fingerprint_texts",
+    "impossible",
+    "key_facts",
+    "spec_in",
 ]
 
 _BYTES_PER_CHANNEL = 8  # float32, twice: as cells, and joined to an image (measured: RGBA 33 to 35)
@@ -47,6 +58,9 @@ _BYTES_PER_FINER_TEXEL = 100  # of the layered layout's maps of the material (me
 _BYTES_PER_BUCKET = 11_000  # of the layered layout's, while they are fitted (measured)
 _BYTES_PER_EARLIER_TEXEL, _BYTES_PER_EARLIER_BUCKET = 40, 4_000  # of a bake to accumulate on, float32
 _BYTES_PER_LAYERED_RAY = 20  # single paths in float16, and what the fit says of them; 60 % of texels covered
+# Names in keys that differ from the field's, as that is also the name of a digest of the scene.
+_IN_KEYS = {"objects": "objects that share the atlas", "lights": "lamps that are lit"}
+_MOST_FLOAT = 1e300  # of numbers in a specification: larger ones and NaN are refused
 
 
 @dataclass(frozen=True)
@@ -194,3 +208,82 @@ class BakeSpec(BakeOptions):
             of_rays = self.texels**2 * self.layered_rays.of_texel * _BYTES_PER_LAYERED_RAY
             return _BYTES_OF_PANORAMAS + int(of_maps) + of_rays
         return self.pixel_count * self.channels * _BYTES_PER_CHANNEL
+
+
+def facts_of(spec: BakeSpec) -> dict[str, Any]:
+    """The fields of a specification as JSON's types."""
+    return {field.name: as_json(getattr(spec, field.name)) for field in fields(BakeSpec)}
+
+
+def as_json(value: Any) -> Any:
+    """A field's value as JSON's types: enums as their text, tuples as lists."""
+    if isinstance(value, StrEnum):
+        return str(value)
+    return [as_json(each) for each in value] if isinstance(value, tuple) else value
+
+
+def key_facts(spec: BakeSpec) -> dict[str, str]:
+    """What a bake must share with the unfinished one that it resumes, by its name in messages."""
+    return {
+        _IN_KEYS.get(name, name.replace("_", " ")): str(value)
+        for name, value, option in _known(spec)
+        if not option.resumes
+    }
+
+
+def fingerprint_texts(spec: BakeSpec) -> list[str]:
+    """What the pixels of an atlas depend on, as text; numbers to six digits: the panel's are rounded."""
+    return [
+        f"{name} {f'{value:.6g}' if isinstance(value, float) else value}"
+        for name, value, option in _known(spec)
+        if option.of_atlas and not (option.added and value == option.default)
+    ]
+
+
+def _known(spec: BakeSpec) -> list[tuple[str, Any, Option]]:
+    """Each field with its value and its row, but for the texels of a density, which are an estimate."""
+    return [
+        (field.name, getattr(spec, field.name), OPTIONS.get(field.name) or Option(field.name))
+        for field in fields(spec)
+        if spec.density is None or field.name != "texels"
+    ]
+
+
+def spec_in(facts: Facts) -> BakeSpec:
+    """Inverse of `facts_of`. Raises FormatError for unknown, mistyped or impossible fields."""
+    known = {field.name for field in fields(BakeSpec)}
+    if unknown := sorted(facts.values.keys() - known):
+        raise FormatError(
+            f'{facts.source} has "{unknown[0]}", which this RadTex does not know: update RadTex'
+        )
+    values: dict[str, Any] = {
+        key: tuple(value) if isinstance(value, list) else value for key, value in facts.values.items()
+    }
+    hints = get_type_hints(BakeSpec)
+    for key, value in values.items():
+        if not _fits(value, hints[key]):
+            raise FormatError(f'{facts.source} has a "{key}" of another type: prepare it anew')
+    try:
+        return BakeSpec(**values)
+    except (RadTexError, TypeError, ValueError, LookupError, AttributeError, ArithmeticError) as error:
+        raise impossible(facts, error) from error
+
+
+def impossible(facts: Facts, error: Exception) -> FormatError:
+    """The error for facts from which no bake can be made."""
+    return FormatError(
+        f"{facts.source} is of a bake that cannot be ({json.dumps(str(error))}): prepare it anew"
+    )
+
+
+def _fits(value: Any, hint: Any) -> bool:
+    """Whether a value from JSON is of a field's type; for enums any text, which BakeSpec parses."""
+    if get_origin(hint) in (Union, UnionType):
+        return any(_fits(value, each) for each in get_args(hint))
+    if get_origin(hint) is tuple:
+        return isinstance(value, tuple) and all(_fits(each, get_args(hint)[0]) for each in value)
+    if issubclass(hint, StrEnum):
+        return isinstance(value, str)
+    if hint is float:
+        return type(value) in (int, float) and abs(value) <= _MOST_FLOAT
+    return type(value) is hint

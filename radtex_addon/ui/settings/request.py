@@ -11,12 +11,13 @@ from typing import Any, cast
 
 import bpy
 
+from ...bake.choices import parse_kind, parse_layout
 from ...bake.cost import check_memory
 from ...bake.forms import FormTraits
 from ...bake.frame_numbers import parse_frames
 from ...bake.kinds import KindTraits, Layout, form_in
 from ...bake.options import DEFAULT_FOLDER, OPTIONS, BakeOptions
-from ...bake.spec import BakeSpec, Layer, parse_kind, parse_layout
+from ...bake.spec import BakeSpec, Layer
 from ...core.errors import InputError
 from ...core.sampler import Filter
 from ...job import OpenLayout
