@@ -17,13 +17,12 @@ from ..formats.image_files import Shapes
 from .session import BYTES_PER_PIXEL
 from .spec import BakeSpec
 from .spec_checks import size_of
-from .spec_fields import SpecFields
 
 _LEAST_TILE = 32 << 20  # bytes that must be left for a render, unless the whole atlas needs less
 _GPU_CHANNELS = 4  # a GPU texture of three channels takes as much memory as one of four
 
 
-def check_memory(spec: SpecFields) -> None:
+def check_memory(spec: BakeSpec) -> None:
     """Raises MemoryLimitError if a bake needs more memory than this machine has, or than the user allows."""
     asked = size_of(spec)
     memory, most = physical_memory(), spec.atlas_bytes + min(_LEAST_TILE, spec.pixel_count * BYTES_PER_PIXEL)

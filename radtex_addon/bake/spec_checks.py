@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from ..core.errors import InputError
 from ..core.messages import Setting, do, leave_out
 from ..formats.containers.compression import Compression
@@ -13,8 +15,10 @@ from .kinds import KINDS, Light, form_in
 from .options import OPTIONS
 from .parts import Split
 from .plan import MAX_IMAGE_SIDE
-from .spec_fields import SpecFields
 from .texel_density import checked_density, told_density
+
+if TYPE_CHECKING:
+    from .spec import BakeSpec
 
 _BUCKETS = do("choose layout buckets", Setting.LAYOUT, value="buckets")
 _PORTAL = do("capture by portal", Setting.CAPTURE, value="portal")
@@ -22,7 +26,7 @@ _NEAREST, _FARTHEST = 1e-18, 1e18  # scene units: the squares of others are no n
 _MOST_SAMPLES_BY_PATHS = 2**12  # 117 thousand paths per texel
 
 
-def check(spec: SpecFields) -> None:
+def check(spec: BakeSpec) -> None:
     """Raises InputError for what cannot be baked; enums and the number of cells must be set before.
 
     No check depends on the machine: see `memory_limits` for checks of memory.
@@ -44,12 +48,12 @@ def check(spec: SpecFields) -> None:
         checked_density(spec.density, f"density {spec.density:g}")
 
 
-def _asked(spec: SpecFields) -> FormTraits:
+def _asked(spec: BakeSpec) -> FormTraits:
     """The form of the layout that is asked for, even if the kind has a form of its own."""
     return form_in(spec.layout)
 
 
-def _check_kind(spec: SpecFields) -> None:
+def _check_kind(spec: BakeSpec) -> None:
     kind = spec.kind.traits
     if spec.capture is CaptureMethod.PANORAMIC and kind.light is Light.LEAVING:
         raise InputError(
@@ -59,7 +63,7 @@ def _check_kind(spec: SpecFields) -> None:
         )
     if spec.layers and not kind.layers:
         raise InputError(f"{spec.kind} has no layers", do("bake radiance"), leave_out(Setting.LAYER))
-    if spec.accumulate or spec.refresh:
+    if spec.incremental:
         _check_earlier(spec)
     if spec.where is not None:
         _check_where(spec)
@@ -74,7 +78,7 @@ def _check_kind(spec: SpecFields) -> None:
         _check_occlusion(spec)
 
 
-def _check_applies(spec: SpecFields) -> None:
+def _check_applies(spec: BakeSpec) -> None:
     """Check options that have a refusal in their row."""
     for name, option in OPTIONS.items():
         value = getattr(spec, name, option.default)
@@ -85,7 +89,7 @@ def _check_applies(spec: SpecFields) -> None:
             )
 
 
-def _check_source(spec: SpecFields) -> None:
+def _check_source(spec: BakeSpec) -> None:
     if spec.source is None:
         for setting, given in ((Setting.EXTRUSION, spec.extrusion), (Setting.CAGE, spec.cage)):
             if given is not None:
@@ -104,7 +108,7 @@ def _check_source(spec: SpecFields) -> None:
     _check_reach(spec)
 
 
-def _check_reach(spec: SpecFields) -> None:
+def _check_reach(spec: BakeSpec) -> None:
     """Check how far from the surface the source is searched for."""
     if spec.extrusion is not None:
         _check_finite("extrusion", spec.extrusion, "a distance")
@@ -114,7 +118,7 @@ def _check_reach(spec: SpecFields) -> None:
         raise InputError("a cage and an extrusion contradict each other: give one of them")
 
 
-def _check_lights(spec: SpecFields) -> None:
+def _check_lights(spec: BakeSpec) -> None:
     if not spec.lights:
         return
     if not all(spec.lights):
@@ -130,7 +134,7 @@ def _check_lights(spec: SpecFields) -> None:
             )
 
 
-def _check_surfaces(spec: SpecFields) -> None:
+def _check_surfaces(spec: BakeSpec) -> None:
     """Check which objects share the atlas, and which part of the surface it is of."""
     if spec.objects:
         if len(spec.objects) < 2:
@@ -150,7 +154,7 @@ def _check_surfaces(spec: SpecFields) -> None:
         )
 
 
-def _check_distance(spec: SpecFields) -> None:
+def _check_distance(spec: BakeSpec) -> None:
     if spec.ao_distance is None:
         return
     if not spec.kind.traits.ao_distance:
@@ -158,7 +162,7 @@ def _check_distance(spec: SpecFields) -> None:
     _check_finite("ao distance", spec.ao_distance, "one")
 
 
-def _check_transfer(spec: SpecFields) -> None:
+def _check_transfer(spec: BakeSpec) -> None:
     for asked, wrong, remedy in (
         (_asked(spec).title, _asked(spec).by_paths, _BUCKETS),
         ("capture panoramic", spec.capture is not CaptureMethod.PORTAL, _PORTAL),
@@ -167,7 +171,7 @@ def _check_transfer(spec: SpecFields) -> None:
             raise InputError(f"kind transfer does not go with {asked}", remedy)
 
 
-def _check_occlusion(spec: SpecFields) -> None:
+def _check_occlusion(spec: BakeSpec) -> None:
     kind = spec.kind
     if _asked(spec).by_paths:
         raise InputError(f"{_asked(spec).title} holds light, not {kind}", _BUCKETS)
@@ -179,7 +183,7 @@ def _check_occlusion(spec: SpecFields) -> None:
         raise InputError("shadow holds bits, not floats", leave_out(Setting.FLOAT))
 
 
-def _check_earlier(spec: SpecFields) -> None:
+def _check_earlier(spec: BakeSpec) -> None:
     if spec.accumulate and spec.refresh:
         raise InputError("to accumulate and to refresh contradict each other: choose one of them")
     done = "accumulated" if spec.accumulate else "refreshed"
@@ -199,10 +203,10 @@ def _check_earlier(spec: SpecFields) -> None:
             raise InputError(f"{asked} cannot be {done}", remedy)
 
 
-def _check_where(spec: SpecFields) -> None:
+def _check_where(spec: BakeSpec) -> None:
     if not spec.where:
         raise InputError("the name of where is empty: name a vertex group, an attribute or a material")
-    if not (spec.accumulate or spec.refresh):
+    if not spec.incremental:
         raise InputError(
             f"where '{spec.where}' is for what is accumulated or refreshed",
             do("choose one of them", Setting.ACCUMULATE, Setting.REFRESH),
@@ -212,7 +216,7 @@ def _check_where(spec: SpecFields) -> None:
         raise InputError(f"{_asked(spec).title} is accumulated as a whole", do("leave where out"), _BUCKETS)
 
 
-def _check_by_paths(spec: SpecFields) -> None:
+def _check_by_paths(spec: BakeSpec) -> None:
     form = _asked(spec)
     if not spec.kind.traits.looks_at_surface:
         only = ", ".join(kind for kind, traits in KINDS.items() if traits.looks_at_surface)
@@ -234,7 +238,7 @@ def _check_by_paths(spec: SpecFields) -> None:
     _check_whole_number(f"samples in {form.title}", spec.samples, 1, _MOST_SAMPLES_BY_PATHS)
 
 
-def _check_size(spec: SpecFields) -> None:
+def _check_size(spec: BakeSpec) -> None:
     side = spec.pixels_a_side
     if side > MAX_IMAGE_SIDE:
         raise InputError(
@@ -242,7 +246,7 @@ def _check_size(spec: SpecFields) -> None:
         )
 
 
-def size_of(spec: SpecFields) -> str:
+def size_of(spec: BakeSpec) -> str:
     """The settings that make an atlas large, for messages."""
     size = f"a side of {spec.texels} texels with {spec.bucket} cells"
     return size if spec.density is None else f"{told_density(spec.density)}, {size},"

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from ..bake.layers import Layer
-from ..bake.spec_facts import spec_in
+from ..bake.spec import spec_in
 from ..core.errors import FormatError, InputError
 from ..core.sampler import Filter
 from ..formats.json_reader import Facts

@@ -13,8 +13,7 @@ from ..bake.hidden_cells import HiddenCells
 from ..bake.kinds import KINDS
 from ..bake.options import OPTIONS
 from ..bake.plan import CapturePlan
-from ..bake.spec import BakeSpec, CaptureMethod, Layout
-from ..bake.spec_facts import as_json, facts_of, impossible, spec_in
+from ..bake.spec import BakeSpec, CaptureMethod, Layout, as_json, facts_of, impossible, spec_in
 from ..core.atlas import AtlasLayout
 from ..core.errors import FormatError, InputError
 from ..core.messages import Setting, do, leave_out
@@ -268,7 +267,7 @@ def check_farmable(spec: BakeSpec) -> None:
             f"a farm bakes the layout {Layout.BUCKETS}, not {spec.layout}, "
             "whose captures build on one another: bake that without a farm"
         )
-    if spec.accumulate or spec.refresh:
+    if spec.incremental:
         raise InputError(
             "a farm bakes anew", leave_out(Setting.ACCUMULATE, Setting.REFRESH), do("bake without a farm")
         )

@@ -39,7 +39,7 @@ def fingerprint_of_bake(
 ) -> Fingerprint | None:
     """The fingerprint of an atlas that a bake of the scratch scene makes, or adds to; None if not known."""
     found = read_originals(scratch).of_bake(name, spec, find_view_layer(scratch, None))
-    if not (spec.accumulate or spec.refresh):
+    if not spec.incremental:
         return found
     return found.folded_onto(_earlier(files), everywhere=spec.refresh and spec.where is None)
 

@@ -249,5 +249,5 @@ def _announce(plan: BakePlan) -> None:
     replaces = request.overwrite or request.only_changed
     for name, spec in plan.replaced:
         place = request.place((name, spec))
-        if (replaces or spec.accumulate or spec.refresh) and place.state is State.FINISHED:
+        if (replaces or spec.incremental) and place.state is State.FINISHED:
             place.announce(request.exports, request.may_replace(replaces).blend.name)

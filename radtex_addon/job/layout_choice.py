@@ -72,7 +72,7 @@ def choose_layout(
     name, spec = bake
     if wish is None:
         return Choice(spec)
-    again = spec.accumulate or spec.refresh
+    again = spec.incremental
     if folder is not None and spec.kind.traits.looks_at_surface and (resume or again):
         begun = _begun([bake, *(one for one in others if one[0] == name)], folder, overwrite and not again)
         if begun is not None:

@@ -177,7 +177,7 @@ class _Probing:
         small = _resized(prepared, texels)
         small_covered = max(int(small.texels().covered.sum()), 1)
         work = BakeWork.of(
-            small_spec, self._found[2], covered=small_covered, device=_device_of(job.scratch, spec)
+            small_spec, self._found[2], covered=small_covered, device=_device_of(job.scratch, spec.device)
         )
         self._small = replace(work, surroundings=_SURROUNDINGS)
         smaller = replace(
@@ -224,9 +224,9 @@ def _resized(prepared: Prepared, texels: int) -> Prepared:
     return replace(small, source=finished(prepared.detailed.project(prepared.surface, own)))
 
 
-def _device_of(scratch: bpy.types.Scene, spec: BakeSpec) -> str:
+def _device_of(scratch: bpy.types.Scene, asked: str) -> str:
     """The name of the device that renders, as `use_device` yields it."""
     if cast(Any, scratch).cycles.device == "CPU":
         return "cpu"
     preferences = bpy.context.preferences.addons["cycles"].preferences
-    return str(preferences.compute_device_type).lower() if spec.device == "auto" else spec.device
+    return str(preferences.compute_device_type).lower() if asked == "auto" else asked

@@ -48,7 +48,7 @@ def bakes_to_resume(
     refreshing, nothing shows which bakes were already done: only those with a checkpoint are resumed. Raises
     InputError if there is none.
     """
-    again = [spec for _, spec in bakes if spec.accumulate or spec.refresh]
+    again = [spec for _, spec in bakes if spec.incremental]
     if not again:
         return not_whole(bakes, out, preview, exports)
     found = tuple(bake for bake in bakes if BakeFolder(*bake, out).state is State.UNFINISHED)
@@ -136,7 +136,7 @@ def _joins_case(folder: Path) -> bool:
 
 def skipped_warning(bakes: Sequence[Bake], left: Sequence[Bake]) -> str:
     """A warning if resuming leaves out bakes that may lack samples, or may not be refreshed; else empty."""
-    again = [spec for _, spec in bakes if spec.accumulate or spec.refresh]
+    again = [spec for _, spec in bakes if spec.incremental]
     if not again or len(left) == len(bakes):
         return ""
     return (

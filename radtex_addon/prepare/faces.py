@@ -13,7 +13,6 @@ import bpy
 import numpy as np
 
 from ..bake.progress import Steps
-from ..bake.spec import BakeSpec
 from ..core.arrays import Bools, Floats, Ints
 from ..core.errors import InputError
 from ..core.islands import areas_on_surface, weld
@@ -106,32 +105,25 @@ def _welded(mesh: EvaluatedMesh) -> tuple[Floats, Ints]:
     return place, number[mesh.triangles]
 
 
-def find_all_two_sided(meshes: Sequence[EvaluatedMesh], spec: BakeSpec) -> Steps[list[TwoSided]]:
-    """Of each mesh, the triangles (F,) that get a twin: see `find_two_sided`. Yields progress."""
-    found = []
-    for mesh in meshes:
-        faces = yield from find_two_sided(mesh, spec)
-        found.append(faces)
-    return found
+def find_two_sided(meshes: Sequence[EvaluatedMesh], twins: bool) -> Steps[list[TwoSided]]:
+    """Of each mesh, the triangles (F,) that are seen from behind and get a twin; None if there are none.
 
-
-def find_two_sided(mesh: EvaluatedMesh, spec: BakeSpec) -> Steps[TwoSided]:
-    """The triangles (F,) that are seen from behind; None if there are none, or they cannot get texels.
-
-    With a UV layer of the user's own or with a source they cannot: then a warning is logged. Yields progress.
+    With `twins` false they cannot have texels of their own: none gets one, and a warning is logged. Yields
+    progress.
     """
-    faces = yield from seen_from_behind_steps(mesh)
-    if not faces.any():
-        return None
-    if spec.uv_layer is not None or spec.source is not None:
-        log.warning(
-            "%d triangles of '%s' can be seen from behind, and look there as from the front: "
-            "their backs have no texels in a UV layer of your own or with a source",
-            np.count_nonzero(faces),
-            mesh.name,
-        )
-        return None
-    return faces
+    found: list[TwoSided] = []
+    for mesh in meshes:
+        faces = yield from seen_from_behind_steps(mesh)
+        seen = np.count_nonzero(faces)
+        found.append(faces if seen and twins else None)
+        if seen and not twins:
+            log.warning(
+                "%d triangles of '%s' can be seen from behind, and look there as from the front: "
+                "their backs have no texels in a UV layer of your own or with a source",
+                seen,
+                mesh.name,
+            )
+    return found
 
 
 def all_with_twins(meshes: Sequence[EvaluatedMesh], doubled: Sequence[TwoSided]) -> list[EvaluatedMesh]:

@@ -51,8 +51,8 @@ from .faces import (
     chosen_once,
     chosen_with_twins,
     faults_told,
-    find_all_two_sided,
     find_once,
+    find_two_sided,
     single_copy,
 )
 from .facts import facts_of
@@ -285,7 +285,7 @@ def prepare(
     shapes, evaluated = all_once(shapes, distinct), all_once(evaluated, distinct)
     chosen = chosen_once(chosen, distinct)
     if backs:
-        doubled = yield from find_all_two_sided(evaluated, spec)
+        doubled = yield from find_two_sided(evaluated, spec.uv_layer is None and spec.source is None)
         shapes, evaluated = all_with_twins(shapes, doubled), all_with_twins(evaluated, doubled)
         chosen = chosen_with_twins(chosen, doubled)
     yield Progress(Stage.UNWRAP, 0, 1)

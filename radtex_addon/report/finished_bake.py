@@ -12,9 +12,10 @@ from typing import Any
 
 import numpy as np
 
+from ..bake.choices import parse_capture, parse_kind, parse_layout
 from ..bake.kinds import DEFAULT_KIND, Kind, is_default_kind
 from ..bake.options import MARKED
-from ..bake.spec import BakeSpec, Compression, parse_capture, parse_kind, parse_layout
+from ..bake.spec import BakeSpec, Compression
 from ..core.arrays import Floats
 from ..core.errors import FormatError, InputError
 from ..core.messages import Setting, do, leave_out

@@ -32,8 +32,7 @@ from typing import Any, TypeAlias, cast
 import bpy
 import numpy as np
 
-from ..bake.spec import BakeSpec, View
-from ..bake.spec_facts import fingerprint_texts
+from ..bake.spec import BakeSpec, View, fingerprint_texts
 from ..core.arrays import Floats
 from ..core.errors import InputError
 from ..core.near_digest import NearDigest, joined

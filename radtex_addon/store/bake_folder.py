@@ -36,8 +36,7 @@ import bpy
 from ..bake.forms import FormTraits
 from ..bake.kinds import Layout
 from ..bake.kinds import form_in as form_of_layout
-from ..bake.spec import BakeSpec
-from ..bake.spec_facts import key_facts
+from ..bake.spec import BakeSpec, key_facts
 from ..bake.targets import check_target
 from ..core.errors import FormatError, InputError
 from ..core.messages import Setting, do, leave_out
@@ -248,7 +247,7 @@ class BakeFolder:
 
     @property
     def _adds(self) -> bool:
-        return self.spec.accumulate or self.spec.refresh
+        return self.spec.incremental
 
     def _replaces(self, exports: Collection[Target]) -> list[Path]:
         return [*self.files.own, *(self.files.export(target) for target in exports)]

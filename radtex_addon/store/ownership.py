@@ -157,7 +157,7 @@ def reasons_to_ask(spec: BakeSpec, files: OutputFiles, overwrite: Overwrite) -> 
     if blend and _is_of_another(blend, overwrite.blend, files.sidecar.parent):
         own = overwrite.blend.name or "a file that was never saved"
         found.append(f"{files.sidecar} is a bake of {blend}, not of {own}")
-    if not (spec.accumulate or spec.refresh):
+    if not spec.incremental:
         with suppress(FormatError):
             there, new = Quality.in_facts(read_facts(files.sidecar)), Quality.of_spec(spec, overwrite.passes)
             if new.is_worse_than(there):

@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..bake.kinds import is_default_kind
 from ..bake.progress import Stage
-from ..bake.spec import BakeSpec
-from ..bake.spec_facts import as_json, facts_of
+from ..bake.spec import BakeSpec, as_json, facts_of
 from ..core.sampler import Filter
 from ..job.variants import Bake, variant_of
 from ..report.report_progress import Task

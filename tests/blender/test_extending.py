@@ -67,8 +67,7 @@ import json
 from dataclasses import replace
 from pathlib import Path
 import bpy
-from radtex_addon.bake.spec import BakeSpec
-from radtex_addon.bake.spec_facts import facts_of, fingerprint_texts, key_facts, spec_in
+from radtex_addon.bake.spec import BakeSpec, facts_of, fingerprint_texts, key_facts, spec_in
 from radtex_addon.cli import arguments, wording
 from radtex_addon.core.errors import InputError
 from radtex_addon.formats.json_reader import Facts

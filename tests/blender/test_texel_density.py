@@ -13,7 +13,7 @@ import bpy
 import numpy as np
 import pytest
 
-from radtex_addon.bake import spec_fields
+from radtex_addon.bake import spec as bake_spec
 from radtex_addon.bake.progress import finished
 from radtex_addon.bake.spec import BakeSpec, Unwrap
 from radtex_addon.cli.arguments import parse
@@ -126,7 +126,7 @@ def test_each_part_of_an_object_has_the_density(tmp_path: Path) -> None:
 def test_a_density_that_needs_too_many_texels_is_capped_and_says_so(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    monkeypatch.setattr(spec_fields, "MOST_TEXELS", 64)
+    monkeypatch.setattr(bake_spec, "MOST_TEXELS", 64)
     cube("Hall", 3)
     with caplog.at_level(logging.WARNING):
         sidecar, _ = baked("Hall", QUICK, tmp_path)

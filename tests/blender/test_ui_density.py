@@ -10,7 +10,7 @@ from pathlib import Path
 import bpy
 import pytest
 
-from radtex_addon.bake import spec_fields
+from radtex_addon.bake import spec as bake_spec
 from radtex_addon.core.messages import Setting
 from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.ui.panel import panel_state
@@ -71,7 +71,7 @@ def test_each_selected_object_has_a_line(monkeypatch: pytest.MonkeyPatch) -> Non
     settings().together = True
     assert sizes() == ("Atlas: about 312 × 312 texels",)
     settings().together = False
-    monkeypatch.setattr(spec_fields, "MOST_TEXELS", 128)
+    monkeypatch.setattr(bake_spec, "MOST_TEXELS", 128)
     box, cup = sizes()
     assert cup == "Cup: about 112 × 112 texels"
     assert box == (

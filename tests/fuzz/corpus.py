@@ -13,8 +13,7 @@ from typing import Any
 import numpy as np
 import OpenEXR
 
-from radtex_addon.bake.spec import BakeSpec
-from radtex_addon.bake.spec_facts import facts_of
+from radtex_addon.bake.spec import BakeSpec, facts_of
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.sampler import Filter
 from radtex_addon.export.export_manifest import Manifest, write_manifest

@@ -15,7 +15,6 @@ from typing import Any
 import bpy
 import numpy as np
 
-from ...bake.bands import Bands
 from ...bake.cost import Cost, cost_of_images
 from ...bake.forms import BITS, FormTraits
 from ...bake.kinds import KINDS, Kind
@@ -35,7 +34,7 @@ from ...formats.disk.atomic import replacing
 from ...formats.image_files import Shapes
 from ...formats.json_reader import Facts
 from ...formats.shadow_files import Words, read_shadow_of, visible_buckets, write_shadow
-from ...formats.sidecar import Sidecar, read_sidecar
+from ...formats.sidecar import read_sidecar
 from ...formats.sidecar_file import SidecarFile
 from ...preview.lit_material import preview_shadow_material
 from ...preview.osl import no_script
@@ -113,8 +112,11 @@ def _pixels(words: Words) -> Blocks:
 def bake_bits(job: BakeJob) -> Generator[Progress, None, Outcome]:
     """As `Form.bake`."""
     captured, spec = (yield from capture_occlusion(job)), job.spec
-    _write(job.place, captured.bands, job.prepared.facts(spec), spec)
-    layout = captured.plan.layout
+    layout, facts = captured.plan.layout, job.prepared.facts(spec)
+    rows = [pack_bits(band.buckets[..., 0] < 0.5) for band in captured.bands.downwards()]
+    with replacing(job.place) as beside:  # left last: the sidecar is renamed after the image
+        beside.write_text(facts.to_json(), encoding="utf-8", newline="\n")
+        write_shadow(job.place.with_suffix(".exr"), np.concatenate(rows[::-1]), facts, spec.compression)
     return Outcome(
         images=(job.sidecar.with_suffix(".exr"),),
         layout=AtlasLayout(layout.width, layout.height, spec.bucket),
@@ -122,15 +124,6 @@ def bake_bits(job: BakeJob) -> Generator[Progress, None, Outcome]:
         paths=len(captured.plan.texel) * captured.rays,
         clamped=0,
     )
-
-
-def _write(path: Path, bands: Bands, facts: Sidecar, spec: BakeSpec) -> None:
-    """Write the sidecar to `path` and the bits beside it, both or neither."""
-    rows = [pack_bits(band.buckets[..., 0] < 0.5) for band in bands.downwards()]
-    words = np.concatenate(rows[::-1])
-    with replacing(path) as beside:  # left last: the sidecar is renamed after the image
-        beside.write_text(facts.to_json(), encoding="utf-8", newline="\n")
-        write_shadow(path.with_suffix(".exr"), words, facts, spec.compression)
 
 
 class Bits(Buckets):

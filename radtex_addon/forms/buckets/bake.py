@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
@@ -14,7 +14,7 @@ import bpy
 import numpy as np
 
 from ...bake.hidden_cells import HiddenCells
-from ...bake.layers import WHOLE, captured, split_layers
+from ...bake.layers import WHOLE, Layer, captured, split_layers
 from ...bake.piece_store import NO_STORE, PieceStore
 from ...bake.plan import CapturePlan, plan_capture
 from ...bake.progress import Progress, Stage, relayed
@@ -53,7 +53,7 @@ def bake_buckets(job: BakeJob) -> Generator[Progress, None, Outcome]:
     spec, prepared = job.spec, job.prepared
     scratch, folder, store = job.scratch, job.folder, job.store
     facts = prepared.facts(spec)
-    earlier = read_earlier(job.sidecar, facts) if spec.accumulate or spec.refresh else None
+    earlier = read_earlier(job.sidecar, facts) if spec.incremental else None
     texels = prepared.texels()
     if earlier is not None and earlier.denoised:
         log.warning(
@@ -78,7 +78,7 @@ def bake_buckets(job: BakeJob) -> Generator[Progress, None, Outcome]:
         check_readable(with_counts(facts, plan.placed(expected, gutter=True)))
     work = refreshed if spec.refresh else accumulated
     image, paths, counts = yield from work(again, store, job.thumbnail)
-    whole = [_images(image, plan.layout, spec)]
+    whole = [_images(image, plan.layout, spec.layers)]
     facts = replace(with_counts(facts, counts), denoised=earlier.denoised)
     return (yield from _write(plan, lambda: iter(whole), spec, job.sidecar, facts, paths, store))
 
@@ -115,7 +115,7 @@ def join_buckets(
         for band in bands.downwards():
             lit = lit or bool((band.buckets[..., :3] > 0).any())
             layout = AtlasLayout(plan.layout.width, len(band.buckets), plan.layout.bucket)
-            yield _images(layout.from_buckets(band.buckets), layout, spec)
+            yield _images(layout.from_buckets(band.buckets), layout, spec.layers)
 
     outcome = yield from _write(plan, images, spec, sidecar, facts, paths, store)
     if expects_light and not lit and spec.kind.traits.needs_light:
@@ -135,14 +135,14 @@ def _check_sheet(spec: BakeSpec) -> None:
         )
 
 
-def bucket_images(spec: BakeSpec, sidecar: Path) -> tuple[Path, ...]:
+def bucket_images(layers: Sequence[Layer], sidecar: Path) -> tuple[Path, ...]:
     """The paths of the atlas and its layers."""
-    return (sidecar.with_suffix(".exr"), *(layer_path(sidecar, layer) for layer in spec.layers))
+    return (sidecar.with_suffix(".exr"), *(layer_path(sidecar, layer) for layer in layers))
 
 
-def _images(image: Floats, layout: AtlasLayout, spec: BakeSpec) -> dict[str, Floats]:
+def _images(image: Floats, layout: AtlasLayout, layers: Sequence[Layer]) -> dict[str, Floats]:
     """The images of an atlas, or of some of its rows, by layer; the atlas itself is called ""."""
-    return {"": image[..., :WHOLE], **split_layers(image, layout, spec.layers)}
+    return {"": image[..., :WHOLE], **split_layers(image, layout, layers)}
 
 
 def _write(
@@ -163,7 +163,7 @@ def _write(
     place = store.place(sidecar)
     steps = write_bands(place, images, spec.layers, facts, spec.half, spec.compression)
     written = yield from relayed(steps, in_rows)
-    return Outcome(bucket_images(spec, sidecar), layout, len(plan.texel), paths, written.clamped)
+    return Outcome(bucket_images(spec.layers, sidecar), layout, len(plan.texel), paths, written.clamped)
 
 
 def plan_buckets(

@@ -49,7 +49,7 @@ class Buckets:
     traits: FormTraits = BUCKETS
 
     def images(self, spec: BakeSpec, sidecar: Path) -> tuple[Path, ...]:
-        return bucket_images(spec, sidecar)
+        return bucket_images(spec.layers, sidecar)
 
     def bake(self, job: BakeJob) -> Generator[Progress, None, Outcome]:
         return bake_buckets(job)

@@ -76,14 +76,14 @@ def remember_job(scene: BakedScene, job: Job, seconds: float) -> None:
     """Add a bake that a worker has finished in so many `seconds`, unless it went on with an earlier one."""
     from ...bake.bake_history import remember
     from ...bake.estimate import START, BakeWork, Measurement
-    from ...bake.spec_facts import spec_in
+    from ...bake.spec import spec_in
     from ...formats.json_reader import Facts
 
     facts, order = job.facts, job.order.facts
     if order["resume"] or not facts.get("covered_texels") or not facts.get("triangles"):
         return
     spec = spec_in(Facts(dict(order["spec"]), "the order"))
-    if spec.accumulate or spec.refresh:
+    if spec.incremental:
         return
     work = BakeWork.of(
         spec,

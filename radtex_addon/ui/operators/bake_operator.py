@@ -278,7 +278,7 @@ def questions(plans: Sequence[BakePlan]) -> tuple[str, ...]:
     for plan in plans:
         for name, spec in plan.replaced:
             course = plan.course_of((name, spec))
-            if not course.resume and (course.overwrite or spec.accumulate or spec.refresh):
+            if not course.resume and (course.overwrite or spec.incremental):
                 found = plan.request.place((name, spec)).reasons_to_ask(course.overwrite)
                 asked += [remark(reason, plan.request.folder) for reason in found]
     return tuple(asked)

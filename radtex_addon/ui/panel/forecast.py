@@ -153,7 +153,7 @@ def _with_files(scene: bpy.types.Scene, request: BakeRequest, found: Forecast, p
         done=files.done,
         next=Next.BAKE,
     )
-    adds = request.spec.accumulate or request.spec.refresh  # to bakes that are there
+    adds = request.spec.incremental  # to bakes that are there
     there = files.finished + files.unfinished > 0 and not adds
     if not seen.errors and not there:
         return found

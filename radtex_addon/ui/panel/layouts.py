@@ -42,7 +42,7 @@ def chosen_layouts(
 
     folder = output_folder(values["directory"], preferred().output) if has_folder(values) else None
     wish = open_layout_of(values)
-    shared = shared_name(values, spec)
+    shared = shared_name(values, spec.kind)
     bakes = [(name, spec) for name in names or ("",)]
     if shared is not None and len(names) > 1:
         bakes = [(shared, replace(spec, objects=tuple(names)))]

@@ -11,12 +11,13 @@ from typing import Any, cast
 
 import bpy
 
+from ...bake.choices import parse_kind, parse_layout
 from ...bake.cost import check_memory
 from ...bake.forms import FormTraits
 from ...bake.frame_numbers import parse_frames
-from ...bake.kinds import KindTraits, Layout, form_in
+from ...bake.kinds import Kind, KindTraits, Layout, form_in
 from ...bake.options import DEFAULT_FOLDER, OPTIONS, BakeOptions
-from ...bake.spec import BakeSpec, Layer, parse_kind, parse_layout
+from ...bake.spec import BakeSpec, Layer
 from ...core.errors import InputError
 from ...core.sampler import Filter
 from ...job import OpenLayout
@@ -135,11 +136,10 @@ def _content_of(values: Mapping[str, Any]) -> str | None:
     return name
 
 
-def shared_name(values: Mapping[str, Any], spec: BakeSpec) -> str | None:
+def shared_name(values: Mapping[str, Any], kind: Kind) -> str | None:
     """Name of the atlas that all objects share; None if each object has its own."""
-    fits = spec.kind.traits.shared_atlas
     name: str = values["atlas_name"]
-    return name if values["together"] and fits else None
+    return name if values["together"] and kind.traits.shared_atlas else None
 
 
 def request_of(values: Mapping[str, Any], names: Sequence[str]) -> BakeRequest:
@@ -156,7 +156,7 @@ def request_of(values: Mapping[str, Any], names: Sequence[str]) -> BakeRequest:
         spec=spec,
         folder=output_folder(values["directory"], preferred().output),
         former=former_places(values["directory"]),
-        shared=shared_name(values, spec) if len(names) > 1 else None,
+        shared=shared_name(values, spec.kind) if len(names) > 1 else None,
         preview=Filter.QUADRILINEAR if values["preview"] else None,
         overwrite=values["overwrite"],
         resume=values["resume"],
