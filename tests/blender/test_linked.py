@@ -35,7 +35,7 @@ NAMES = ("Ball", "Cone")
 
 def write_library(path: Path) -> Path:
     """A collection "Home", and in it another, "Room", with the glowing balls NAMES."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     home, room = bpy.data.collections.new("Home"), bpy.data.collections.new("Room")
     context.scene.collection.children.link(home)
     home.children.link(room)
@@ -48,7 +48,7 @@ def write_library(path: Path) -> Path:
         room.objects.link(context.object)
         context.scene.collection.objects.unlink(context.object)
     bpy.ops.wm.save_as_mainfile(filepath=str(path))
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     stage.world((0.1, 0.1, 0.1))
     return path
 

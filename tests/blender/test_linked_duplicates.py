@@ -73,7 +73,7 @@ def twins() -> None:
 
 @pytest.fixture(scope="module")
 def room(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     twins()
     path = tmp_path_factory.mktemp("room") / "room.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(path))
