@@ -71,6 +71,7 @@ def share(kind: str, out: Path) -> float:
 # shadow
 
 
+@pytest.mark.one_blender
 def test_bits_agree_with_rays_that_blender_casts(out: Path) -> None:
     bpy.ops.mesh.primitive_monkey_add()
     context.object.name = "Suzanne"
@@ -125,6 +126,7 @@ def test_gutters_hold_the_nearest_texels_bits(out: Path) -> None:
     assert {bytes(row) for row in gutter} <= known
 
 
+@pytest.mark.one_blender
 @pytest.mark.parametrize("kind", ["shadow", "ao"])
 def test_what_is_stuck_into_the_mesh_darkens_nobody(out: Path, kind: str) -> None:
     """A ball on a post, whose texels in the ball nobody sees; the rest sees half of the sky and more."""
