@@ -26,6 +26,8 @@ from tests.blender.casting import all_meshes, blocked, plan_of_bake
 from tests.blender.fingerprint import differences, fingerprint
 
 pytestmark = pytest.mark.usefixtures("temporary")
+# Both look through the same scene.
+KINDS = ["shadow", pytest.param("ao", marks=pytest.mark.one_blender)]
 context: Any = bpy.context  # to the stubs, every pointer may be None
 
 CELLS = 8
@@ -149,7 +151,7 @@ def test_half_of_the_opacity_decides(out: Path, alpha: float, expected: bool) ->
     assert (up == expected).all()
 
 
-@pytest.mark.parametrize("kind", ["shadow", "ao"])
+@pytest.mark.parametrize("kind", KINDS)
 def test_what_casts_no_shadow_is_not_in_the_way_and_what_is_only_hidden_is(out: Path, kind: str) -> None:
     floor()
     item = roof()
@@ -168,7 +170,7 @@ def test_what_casts_no_shadow_is_not_in_the_way_and_what_is_only_hidden_is(out: 
     assert share(kind, out / "casts none") == 1.0
 
 
-@pytest.mark.parametrize("kind", ["shadow", "ao"])
+@pytest.mark.parametrize("kind", KINDS)
 def test_instances_follow_their_object_and_their_instancer(out: Path, kind: str) -> None:
     floor()
     item = roof()
@@ -187,7 +189,7 @@ def test_instances_follow_their_object_and_their_instancer(out: Path, kind: str)
         owner.visible_shadow = True
 
 
-@pytest.mark.parametrize("kind", ["shadow", "ao"])
+@pytest.mark.parametrize("kind", KINDS)
 def test_collections_that_camera_rays_pass_by_are_in_the_way(out: Path, kind: str) -> None:
     floor()
     item = roof()
