@@ -40,7 +40,7 @@ TWINS = {
     ),
     "Modified": ((0.2, 0.1, 1.0), Matrix.Translation((APART, 0, 0)) @ Matrix.Diagonal((1, 0.7, 1.2, 1))),
 }
-QUALITY = ("--layout", "buckets", "--texels", "48", "--bucket", "3", "--samples", "16", "--capture", "portal")
+QUALITY = ("--layout", "buckets", "--texels", "32", "--bucket", "3", "--samples", "16", "--capture", "portal")
 
 
 def twins() -> None:
