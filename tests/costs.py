@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import os
 import sys
-from collections import defaultdict
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path, PurePath
@@ -67,18 +66,14 @@ def _seconds() -> float:
 
 def _of_living_children() -> float:
     """Their processor time and that of theirs; what has ended is its parent's already."""
-    spent: dict[int, float] = {}
-    children = defaultdict(list)
-    for file in Path("/proc").glob("[0-9]*/stat"):
-        with suppress(OSError):  # it has ended
-            facts = file.read_text().rpartition(")")[2].split()
-            spent[int(file.parent.name)] = sum(map(int, facts[11:15])) / _TICKS
-            children[int(facts[1])].append(int(file.parent.name))
-    found, waiting = 0.0, children[os.getpid()]
+    found, waiting = 0.0, [str(os.getpid())]
     while waiting:
-        one = waiting.pop()
-        found += spent[one]
-        waiting += children[one]
+        for file in Path("/proc", waiting.pop(), "task").glob("*/children"):
+            with suppress(OSError):  # it has ended
+                for child in file.read_text().split():
+                    waiting.append(child)
+                    facts = Path("/proc", child, "stat").read_text().rpartition(")")[2].split()
+                    found += sum(map(int, facts[11:15])) / _TICKS
     return found
 
 

@@ -43,7 +43,7 @@ EXPORTS = {
 
 def bake_every_kind(folder: Path) -> dict[str, Path]:
     """Bake a box of two materials around a ball by each of SPECS; returns the sidecars."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     stage.hdri(stage.world())
     bpy.ops.mesh.primitive_cube_add(size=2, location=(1, 2, 3))
     box = context.object

@@ -25,7 +25,7 @@ FRAME = 7  # the scene's
 
 def build_moving_scene(folder: Path) -> bpy.types.Scene:
     """A box to bake among things that keyframes, a driver, a wave, cloth and an image sequence change."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     sky = next(node for node in stage.world((0.3, 0.4, 0.5)).node_tree.nodes if node.type == "BACKGROUND")
     sky.inputs["Strength"].driver_add("default_value").driver.expression = "frame / 5"
     bpy.ops.object.light_add(type="AREA", location=(1, 0.5, 2), rotation=(0.2, 0.4, 0))

@@ -27,6 +27,8 @@ LAZY = ("depsgraph", "storage_type", "vertex_selection", "edge_selection", "pin"
 SKIPPED = frozenset(NOT_THE_USERS + LAZY)
 DEPTH = 9
 LONG = 64  # items; longer collections are hashed
+# Ends of links, and panels that sockets lie in: their tree has them, and leads from each to all others.
+_IN_A_TREE = (bpy.types.Node, bpy.types.NodeSocket, bpy.types.NodeTreeInterfaceItem)
 
 
 def fingerprint() -> dict[str, object]:
@@ -96,7 +98,7 @@ def _note(prop: Any, value: Any, path: str, found: dict[str, object], depth: int
     elif prop.type == "POINTER":
         if value is None or isinstance(value, bpy.types.ID):
             found[path] = value and value.name_full
-        if isinstance(value, (bpy.types.Node, bpy.types.NodeSocket)):  # the end of a link: its tree has it
+        if isinstance(value, _IN_A_TREE):
             found[path] = value.name
         elif value is not None and (not isinstance(value, bpy.types.ID) or _own_tree(value)) and depth:
             _walk(value, path, found, depth - 1)

@@ -42,7 +42,7 @@ def bake_room(folder: Path) -> list[Path]:
 
 
 def _build() -> None:
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     stage.hdri(stage.world())
     red = stage.material("Red", "ShaderNodeBsdfDiffuse", Color=(0.8, 0.1, 0.1, 1))
     gold = stage.material("Gold", "ShaderNodeBsdfGlossy", Color=(0.9, 0.7, 0.3, 1), Roughness=0.4)

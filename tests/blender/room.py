@@ -16,7 +16,7 @@ context: Any = bpy.context  # to the stubs, every pointer may be None
 
 def fill_room(fineness: int = 2) -> None:
     """A shiny ball on a floor, under a lamp and a grey sky."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     stage.world()
     bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=fineness)
     context.object.name = "Ball"

@@ -65,7 +65,7 @@ def fill_scene() -> None:
 @pytest.fixture(scope="module")
 def room(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A .blend in white light, in a folder whose name wants quoting."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     fill_scene()
     stage.world()
     return saved(tmp_path_factory.mktemp("ein schöner Raum") / "room.blend")
@@ -74,7 +74,7 @@ def room(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def cellar(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A .blend without light."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     bpy.ops.mesh.primitive_plane_add(size=2)
     for name in ("Card", "Second"):
         bpy.ops.mesh.primitive_plane_add()

@@ -36,7 +36,7 @@ def room(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A .blend with a glowing ball under a camera, and beside it, in "baked", its bake."""
     folder = tmp_path_factory.mktemp("ein schöner Raum")
     bake_of(PLAIN, folder / "baked")
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     ball("Ball")
     stage.world((0.1, 0.1, 0.1))
     context.scene.camera = blocks.objects.new("Camera", blocks.cameras.new("Camera"))

@@ -39,7 +39,7 @@ STAGES = ["textures", "flat", "mesh", "pack"]
 @pytest.fixture(scope="module")
 def bakes(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with the bakes of two balls, one of which has no preview, and with incident light."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     folder = tmp_path_factory.mktemp("ein schöner Raum")
     for name, place in (("Ball", 0.0), ("Bare", 3.0), ("Lit", 6.0)):
         bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=1, location=(place, 0, 0))

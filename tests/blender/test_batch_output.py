@@ -25,7 +25,7 @@ _TINY = ("--layout", "buckets", "--texels", "8", "--bucket", "2", "--samples", "
 @pytest.fixture(scope="module")
 def room(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A .blend whose names are hostile."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     bpy.ops.mesh.primitive_plane_add(size=2)
     context: Any = bpy.context
     context.object.name = _NAME

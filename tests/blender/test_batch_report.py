@@ -30,7 +30,7 @@ QUIET = ("--progress", "none")
 @pytest.fixture(scope="module")
 def room(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A .blend with a white ball in white light, and beside it its bake."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2)
     context.object.name = "Ball"
     context.object.data.materials.append(

@@ -116,6 +116,7 @@ def directional_world() -> Callable[[Floats], Floats]:
     return lambda direction: 0.5 + 0.3 * direction + direction**2
 
 
+@pytest.mark.one_blender
 @pytest.mark.parametrize(("kind", "sign"), [(Kind.INCIDENT, 1), (Kind.REFLECTION, -1)])
 def test_a_world_of_known_light_bakes_to_its_cell_means(tmp_path: Path, kind: Kind, sign: int) -> None:
     light = directional_world()

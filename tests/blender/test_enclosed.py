@@ -52,7 +52,7 @@ def cube(name: str, material: bpy.types.Material, size: float, place: tuple[floa
 @pytest.fixture
 def block() -> Iterator[tuple[bpy.types.Scene, Body, CapturePlan]]:
     """A scratch scene with a cube of 2 m, which things lie in and around, as a body, and its plan."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     subject = cube("Block", glass(), 2, (0, 0, 0))
     cube("Cast in it", plaster(), 0.6, (0.5, 0, 0))
     cube("Bubble", glass(), 0.4, (-0.5, 0, 0))
@@ -111,7 +111,7 @@ _TIMES, _INDEX, _THICK = 3, 1.5, 0.2  # of the sheet of glass
 
 @pytest.mark.one_blender
 def test_a_sheet_of_glass_moves_rays_aside(tmp_path: Path) -> None:
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     bpy.ops.mesh.primitive_cube_add(size=1)
     sheet = as_subject(made())
     sheet.dimensions = (2, 2, _THICK)

@@ -42,7 +42,7 @@ GLOW = (0.5, 0.25, 0.125)
 
 
 def _baked(spec: BakeSpec, folder: Path) -> Path:
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2)
     context.object.name = "Ball/1"
     shader = "ShaderNodeEmission" if spec.layout is Layout.BUCKETS else "ShaderNodeBsdfGlossy"

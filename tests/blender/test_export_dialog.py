@@ -58,7 +58,7 @@ def bakes(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Path]:
     """Folders of bakes of a ball, and of one more in the first; not to be written to."""
     specs = {"plain": PLAIN, "layered": LAYERED, "shadow": SHADOW}
     folders = {name: bake_of(spec, tmp_path_factory.mktemp(name)).parent for name, spec in specs.items()}
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     ball(OTHER)
     bake_object(context.scene, OTHER, PLAIN, folders["plain"], preview=Filter.QUADRILINEAR)
     return folders
@@ -74,7 +74,7 @@ def _page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture(autouse=True)
 def registered(bakes: Mapping[str, Path]) -> Iterator[None]:
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     ball(OTHER)
     ball()
     registration.register()

@@ -62,7 +62,7 @@ def baked(name: str, folder: Path) -> Path:
 @pytest.fixture(scope="module")
 def of_wedge(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder of a wedge's bake and of its export, `made`; not to be written to."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     wedge()
     folder = tmp_path_factory.mktemp("wedge")
     addon_utils.disable("io_scene_gltf2", default_set=False)

@@ -54,7 +54,7 @@ EVERYBODY = (Kind.PROXY, Kind.INCIDENT)
 @pytest.fixture(scope="module")
 def bakes(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Folders of one bake each, by kind, of a box around a ball; not to be written to."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     bpy.ops.mesh.primitive_cube_add(size=2)
     context.object.name = "Box"
     colour = (0.8, 0.4, 0.2, 1)

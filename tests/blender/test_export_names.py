@@ -35,7 +35,7 @@ SCENES = (Target.WEB, Target.GODOT, Target.GLTF, Target.RAW)
 
 
 def named_plane() -> None:
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     bpy.ops.mesh.primitive_plane_add()
     context.object.name = NAME
     assert context.object.name == NAME

@@ -31,7 +31,7 @@ _BOX = "Box"
 
 
 def _build() -> Any:
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     stage.world()
     bpy.ops.mesh.primitive_cube_add(size=1)
     bpy.context.object.name = _BOX

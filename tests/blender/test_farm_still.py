@@ -25,7 +25,7 @@ SPEC = BakeSpec(texels=8, bucket=4, samples=1, sheet=16, padding=1, uv_layer="UV
 @pytest.fixture
 def scene() -> bpy.types.Scene:
     """A box under a bright sky, at frame 5."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     stage.world()
     bpy.ops.mesh.primitive_cube_add()
     bpy.context.object.name = BOX
@@ -141,7 +141,7 @@ def test_linked_things_fonts_and_volumes_come_along(
 ) -> None:
     library = tmp_path / "library.blend"
     _make_library(library)
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     stage.world()
     libraries: Any = bpy.data.libraries
     with libraries.load(str(library), link=True) as (_, wanted):

@@ -17,7 +17,8 @@ import pytest
 from radtex_addon.bake.spec import BakeSpec, Layout, Unwrap
 from radtex_addon.report.gbuffer import BakedSurface
 from tests.bench.fidelity import cache, scenes
-from tests.bench.fidelity.lottery import lottery
+from tests.bench.fidelity.lottery import draw, lottery
+from tests.bench.fidelity.lottery.exposure import expose
 from tests.bench.fidelity.methods.layered import Layered
 from tests.bench.fidelity.rendering import Rendering, render
 from tests.bench.fidelity.scenes import SCENES, Stage
@@ -112,7 +113,12 @@ def _inputs(tree: Any) -> list[object]:
     return [np.array(socket.default_value).tolist() for socket in sockets]
 
 
-def test_a_draw_of_the_lottery_is_the_same_at_every_call() -> None:
+def test_a_draw_of_the_lottery_is_the_same_at_every_call(monkeypatch: pytest.MonkeyPatch) -> None:
+    def expose_by_a_coarse_sky(stage: Stage) -> bool:
+        sample_sky_coarsely()
+        return expose(stage)
+
+    monkeypatch.setattr(draw, "expose", expose_by_a_coarse_sky)
     first, again, other = (_state_of(number) for number in (3, 3, 4))
     assert first == again
     assert first != other

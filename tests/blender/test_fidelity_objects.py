@@ -27,7 +27,7 @@ from tests.blender.objects_stage import corner, detailed, pair, view
 pytestmark = [pytest.mark.usefixtures("temporary"), pytest.mark.one_blender]
 context: Any = bpy.context  # to the stubs, every pointer may be None
 
-SPEC = BakeSpec(layout=Layout.LAYERED, texels=40, samples=4, unwrap=Unwrap.BLENDER)
+SPEC = BakeSpec(layout=Layout.LAYERED, texels=32, samples=4, unwrap=Unwrap.BLENDER)
 
 
 def test_objects_that_share_an_atlas_look_as_cycles_sees_them(out: Path) -> None:

@@ -41,7 +41,7 @@ SPECS = {
 
 @pytest.fixture(autouse=True)
 def scene() -> None:
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     stage.world((0.4, 0.6, 1.0))
     bpy.ops.mesh.primitive_uv_sphere_add(segments=8, ring_count=6)
     context.object.name = "Ball"

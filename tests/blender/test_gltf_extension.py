@@ -29,6 +29,8 @@ from tests.reference.textures import read_ktx2
 README = (EXTENSION_FOLDER / "README.md").read_text(encoding="utf-8")
 EXAMPLE = EXTENSION_FOLDER / "example" / "Ball.glb"
 
+pytestmark = pytest.mark.one_blender  # test_export_gltf.py exports on each
+
 
 @pytest.mark.parametrize("name", schemas())
 def test_a_schema_is_one_and_the_text_has_its_properties_and_links_it(name: str) -> None:

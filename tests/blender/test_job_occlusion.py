@@ -26,6 +26,8 @@ from tests.blender.casting import all_meshes, blocked, plan_of_bake
 from tests.blender.fingerprint import differences, fingerprint
 
 pytestmark = pytest.mark.usefixtures("temporary")
+# Both look through the same scene.
+KINDS = ["shadow", pytest.param("ao", marks=pytest.mark.one_blender)]
 context: Any = bpy.context  # to the stubs, every pointer may be None
 
 CELLS = 8
@@ -71,6 +73,7 @@ def share(kind: str, out: Path) -> float:
 # shadow
 
 
+@pytest.mark.one_blender
 def test_bits_agree_with_rays_that_blender_casts(out: Path) -> None:
     bpy.ops.mesh.primitive_monkey_add()
     context.object.name = "Suzanne"
@@ -125,6 +128,7 @@ def test_gutters_hold_the_nearest_texels_bits(out: Path) -> None:
     assert {bytes(row) for row in gutter} <= known
 
 
+@pytest.mark.one_blender
 @pytest.mark.parametrize("kind", ["shadow", "ao"])
 def test_what_is_stuck_into_the_mesh_darkens_nobody(out: Path, kind: str) -> None:
     """A ball on a post, whose texels in the ball nobody sees; the rest sees half of the sky and more."""
@@ -147,7 +151,7 @@ def test_half_of_the_opacity_decides(out: Path, alpha: float, expected: bool) ->
     assert (up == expected).all()
 
 
-@pytest.mark.parametrize("kind", ["shadow", "ao"])
+@pytest.mark.parametrize("kind", KINDS)
 def test_what_casts_no_shadow_is_not_in_the_way_and_what_is_only_hidden_is(out: Path, kind: str) -> None:
     floor()
     item = roof()
@@ -166,7 +170,7 @@ def test_what_casts_no_shadow_is_not_in_the_way_and_what_is_only_hidden_is(out: 
     assert share(kind, out / "casts none") == 1.0
 
 
-@pytest.mark.parametrize("kind", ["shadow", "ao"])
+@pytest.mark.parametrize("kind", KINDS)
 def test_instances_follow_their_object_and_their_instancer(out: Path, kind: str) -> None:
     floor()
     item = roof()
@@ -185,7 +189,7 @@ def test_instances_follow_their_object_and_their_instancer(out: Path, kind: str)
         owner.visible_shadow = True
 
 
-@pytest.mark.parametrize("kind", ["shadow", "ao"])
+@pytest.mark.parametrize("kind", KINDS)
 def test_collections_that_camera_rays_pass_by_are_in_the_way(out: Path, kind: str) -> None:
     floor()
     item = roof()

@@ -37,7 +37,7 @@ def bake(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def sidecar(bake: Path) -> Path:
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     return bake
 
 
@@ -135,7 +135,7 @@ def test_a_preview_elsewhere_than_its_object_is_linked_alike(sidecar: Path, tmp_
     context.scene.collection.objects.unlink(bpy.data.objects["Ball"])
     context.scene.collection.children.link(home)
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "library.blend"))
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     libraries: Any = bpy.data.libraries
     with libraries.load(str(tmp_path / "library.blend"), link=True) as (_, wanted):
         wanted.collections = ["Home"]

@@ -35,7 +35,7 @@ NAMES = ("Ball", "Cone")
 
 def write_library(path: Path) -> Path:
     """A collection "Home", and in it another, "Room", with the glowing balls NAMES."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     home, room = bpy.data.collections.new("Home"), bpy.data.collections.new("Room")
     context.scene.collection.children.link(home)
     home.children.link(room)
@@ -48,7 +48,7 @@ def write_library(path: Path) -> Path:
         room.objects.link(context.object)
         context.scene.collection.objects.unlink(context.object)
     bpy.ops.wm.save_as_mainfile(filepath=str(path))
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     stage.world((0.1, 0.1, 0.1))
     return path
 
@@ -88,9 +88,6 @@ def with_a_stranger(path: Path) -> None:
     other.collection.objects.link(bpy.data.objects.new("Ball", bpy.data.meshes.new("Stranger")))
 
 
-WAYS = [linked_objects, linked_collection, overrides, linked_data, with_a_stranger]
-
-
 def held() -> list[Any]:
     """Every object, what holds it, and how its layer collections are: without counts of users."""
     context.view_layer.update()
@@ -108,7 +105,15 @@ def held() -> list[Any]:
 
 
 @pytest.mark.parametrize(
-    ("way", "together"), [(way, way in (linked_collection, overrides)) for way in WAYS] + [(overrides, False)]
+    ("way", "together"),
+    [
+        (linked_objects, False),
+        (linked_collection, True),
+        (overrides, True),
+        (linked_data, False),
+        pytest.param(with_a_stranger, False, marks=pytest.mark.one_blender),
+        pytest.param(overrides, False, marks=pytest.mark.one_blender),
+    ],
 )
 def test_what_a_library_holds_is_baked_reported_and_exported(
     way: Callable[[Path], object], together: bool, tmp_path: Path, out: Path

@@ -40,7 +40,7 @@ TWINS = {
     ),
     "Modified": ((0.2, 0.1, 1.0), Matrix.Translation((APART, 0, 0)) @ Matrix.Diagonal((1, 0.7, 1.2, 1))),
 }
-QUALITY = ("--layout", "buckets", "--texels", "48", "--bucket", "3", "--samples", "16", "--capture", "portal")
+QUALITY = ("--layout", "buckets", "--texels", "32", "--bucket", "3", "--samples", "16", "--capture", "portal")
 
 
 def twins() -> None:
@@ -73,7 +73,7 @@ def twins() -> None:
 
 @pytest.fixture(scope="module")
 def room(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     twins()
     path = tmp_path_factory.mktemp("room") / "room.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(path))

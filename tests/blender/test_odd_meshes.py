@@ -232,7 +232,7 @@ def test_faces_that_are_turned_inside_out_are_told(
 
 def test_normals_that_look_inwards_or_nowhere(out: Path, temporary: Path) -> None:
     for number, normal in enumerate([(0, 0, 0), (0, 0, -1), (1e-30, 0, 0)]):
-        bpy.ops.wm.read_factory_settings(use_empty=True)
+        bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
         with_normals(*normal)
         assert np.isfinite(bake(out / str(number))).all()
 

@@ -46,7 +46,7 @@ posix = pytest.mark.skipif(sys.platform == "win32", reason="a POSIX system's nam
 @pytest.fixture(scope="module")
 def scene(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A plane for every name, in white light, and a lamp."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     context: Any = bpy.context
     for place, name in enumerate(NAMES):
         bpy.ops.mesh.primitive_plane_add(location=(3 * place, 0, 0))

@@ -69,6 +69,7 @@ def looking(surface: BakedSurface, place: Floats, turn: Floats) -> GBuffer:
     return surface.gbuffer(rays, np.full(len(rays.away), np.inf))
 
 
+@pytest.mark.one_blender
 def test_open_meshes_are_seen_from_behind_and_closed_ones_are_not() -> None:
     bpy.ops.mesh.primitive_plane_add()
     assert seen().all()
@@ -80,6 +81,7 @@ def test_open_meshes_are_seen_from_behind_and_closed_ones_are_not() -> None:
     assert not seen().any()
 
 
+@pytest.mark.one_blender
 def test_a_crack_in_a_ball_shows_nothing() -> None:
     ball = bmesh.new()
     bmesh.ops.create_uvsphere(ball, u_segments=64, v_segments=32, radius=1)

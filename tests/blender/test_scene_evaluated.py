@@ -216,7 +216,7 @@ def test_objects_of_a_library_can_be_read(tmp_path: Path) -> None:
     bpy.ops.mesh.primitive_cube_add()
     context.object.name = "far"
     bpy.data.libraries.write(str(tmp_path / "lib.blend"), {context.object})
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     libraries: Any = bpy.data.libraries
     with libraries.load(str(tmp_path / "lib.blend"), link=True) as (_, there):
         there.objects = ["far"]

@@ -62,7 +62,7 @@ def opens() -> _Opens:
 
 @pytest.fixture(scope="module")
 def scene_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     stage.world((0.4, 0.6, 1.0))
     bpy.ops.mesh.primitive_uv_sphere_add(segments=8, ring_count=6)
     context.object.name = "Ball"

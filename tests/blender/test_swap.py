@@ -47,7 +47,7 @@ def bake_of(spec: BakeSpec, folder: Path) -> Path:
 
 
 def _bake(folder: Path, spec: BakeSpec) -> None:
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     ball()
     stage.hdri(stage.world())
     bake_object(context.scene, NAME, spec, folder, preview=Filter.QUADRILINEAR)
@@ -62,14 +62,15 @@ def bakes(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 
 @pytest.fixture
 def sidecar(bakes: dict[str, Path]) -> Path:
-    bpy.ops.wm.read_factory_settings(use_empty=True)  # of a module's first test the bakes are in the file
+    # Of a module's first test the bakes are in the file.
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     return bakes["plain"]
 
 
 @pytest.fixture
 def spoilt(bakes: dict[str, Path], tmp_path: Path) -> Path:
     """The same, to be spoilt."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     shutil.copytree(bakes["plain"].parent, tmp_path / "bake")
     return tmp_path / "bake" / bakes["plain"].name
 
@@ -164,7 +165,7 @@ def test_a_picture_of_the_preview_is_that_of_its_file(
 ) -> None:
     bpy.ops.wm.open_mainfile(filepath=str(bakes[layout].with_name("Ball.preview.blend")))
     there = picture(tmp_path / "there.exr")
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     if saved:
         bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "user.blend"))
     original = ball()
@@ -208,7 +209,7 @@ def test_on_once_more_shows_the_bake_anew(sidecar: Path) -> None:
 
 @pytest.mark.parametrize(("layout", "by_copy"), [("plain", True), ("layered", False)])
 def test_on_and_off_leaves_no_trace(bakes: dict[str, Path], layout: str, by_copy: bool) -> None:
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     head = lived_in_scene()
     before = fingerprint()
     shown = switch_on(head, bakes[layout])
@@ -429,7 +430,7 @@ def linked(sidecar: Path, tmp_path: Path) -> Any:
     context.scene.collection.objects.unlink(made)
     path = tmp_path / "library.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(path))
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     libraries: Any = bpy.data.libraries
     with libraries.load(str(path), link=True) as (_, wanted):
         wanted.collections = ["home"]

@@ -53,7 +53,7 @@ def baked(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture
 def bake(baked: Path, tmp_path: Path) -> str:
     """The folder of a bake, as an operator takes it, in an empty file."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     return str(shutil.copytree(baked.parent, tmp_path / "bake"))
 
 
@@ -385,7 +385,7 @@ def test_a_workers_pictures_are_a_step_to_undo_and_there_until_they_are_forgotte
 def test_pictures_do_not_come_into_another_file(bake: str) -> None:
     (item,) = scene_with_balls()
     compare(item, bake, 32)
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     (job,) = finish_jobs()
     assert job.state == "done", job.message
     assert ours() == []

@@ -231,6 +231,7 @@ def test_a_bake_that_is_shown_is_baked_again_by_one_press(out: Path) -> None:
     assert not bpy.data.objects["Card"].hide_render
 
 
+@pytest.mark.one_blender
 def test_many_objects_are_baked_the_one_that_changed_again_and_all_exported(out: Path) -> None:
     """A collection's, without another setting; its neighbours count only if they are asked for."""
     settings().preview = True

@@ -244,7 +244,7 @@ def linked_room(folder: Path) -> None:
     made.node_tree.links.new(texture.outputs[0], made.node_tree.nodes["Emission"].inputs[0])
     context.object.data.materials.append(made)
     bpy.ops.wm.save_as_mainfile(filepath=str(assets / "library.blend"), relative_remap=True)
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     bpy.ops.wm.save_as_mainfile(filepath=str(scenes / "room.blend"))
     with blocks.libraries.load(str(assets / "library.blend"), link=True, relative=True) as (_, wanted):
         wanted.objects = ["Linked"]

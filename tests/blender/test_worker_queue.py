@@ -118,7 +118,7 @@ def test_painted_images_linked_data_and_unsaved_changes_are_in_the_bake(
     library = tmp_path / "Bücher" / "linked things.blend"
     library.parent.mkdir()
     bpy.ops.wm.save_as_mainfile(filepath=str(library))
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "empty room.blend"))
     with blocks.libraries.load(str(library), link=True, relative=True) as (_, wanted):
         wanted.objects = ["Linked"]
@@ -203,7 +203,7 @@ def test_jobs_wait_for_one_another_and_one_that_fails_or_is_cancelled_holds_up_n
 
 def test_a_comparison_sees_the_previews_that_the_session_shows(queue: Queue, jobs: Path, out: Path) -> None:
     sidecar = bake_of(PLAIN, out / "baked")
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     item = ball(NAME)
     switch_on(item, sidecar)
     eye = Eye.of_view(np.array(Matrix.Translation((0, 0, -5))), np.diag([0.5, 1.0, -0.002, 1.0]))

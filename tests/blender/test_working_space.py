@@ -118,7 +118,7 @@ def test_a_comparison_sees_both_in_rec709(out: Path) -> None:
 
 def test_our_matrices_are_blenders() -> None:
     for space, identifier in zip(WIDE, ("lin_ap1_scene", "lin_rec2020_scene"), strict=True):
-        bpy.ops.wm.read_factory_settings(use_empty=True)
+        bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
         work_in(space)
         rows = [
             Color(row).from_scene_linear_to_rec709_linear()[:] for row in ((1, 0, 0), (0, 1, 0), (0, 0, 1))

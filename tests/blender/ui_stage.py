@@ -27,14 +27,23 @@ def registered() -> Iterator[None]:
     """RadTex, with preferences of its own."""
     history_file().unlink(missing_ok=True)  # of bakes by other tests
     registration.register()
-    addon = context.preferences.addons.new()
-    addon.module = ADDON
+    with _undirtied():
+        context.preferences.addons.new().module = ADDON
     try:
         yield
     finally:
         if ADDON in context.preferences.addons:  # unless the test went back to factory settings
-            context.preferences.addons.remove(context.preferences.addons[ADDON])
+            with _undirtied():
+                context.preferences.addons.remove(context.preferences.addons[ADDON])
         registration.unregister()
+
+
+@contextmanager
+def _undirtied() -> Iterator[None]:
+    """Let preferences count as changed only if they were: `empty_file` reads them again then."""
+    dirty = context.preferences.is_dirty
+    yield
+    context.preferences.is_dirty = dirty
 
 
 def settings() -> Any:

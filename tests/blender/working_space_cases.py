@@ -50,7 +50,7 @@ def work_in(space: str) -> None:
 
 def build_scene() -> None:
     """A ball that scatters, reflects, lets through and glows, on a floor, below a lamp and a red light."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     stage.world(WORLD)
     scene: Any = bpy.context.scene
     scene.cycles.sample_clamp_direct = scene.cycles.sample_clamp_indirect = 0

@@ -187,6 +187,7 @@ def later_zip(own_zip: Path, tmp_path: Path) -> Path:
     return path
 
 
+@pytest.mark.one_blender
 def test_an_update_offers_its_changes_and_a_first_install_none(
     bare_python: Path, own_zip: Path, later_zip: Path, tmp_path: Path
 ) -> None:

@@ -9,6 +9,7 @@ import hashlib
 import inspect
 import os
 import sys
+from functools import cache
 from importlib.util import resolve_name
 from pathlib import Path
 
@@ -51,6 +52,7 @@ def source_key(module: str, sources: dict[str, str]) -> str:
     return hashlib.sha256(joined.encode()).hexdigest()
 
 
+@cache
 def _imported(name: str, source: str) -> list[str]:
     """Modules that a module's source may import by relative imports."""
     package = name.rpartition(".")[0]
