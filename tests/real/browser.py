@@ -8,17 +8,18 @@ import base64
 import functools
 import http.server
 import io
+import subprocess
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from PIL import Image
-from playwright.sync_api import Browser, BrowserType, Page
+from playwright.sync_api import Browser, BrowserType, Error, Page
 
 from radtex_addon.core.arrays import Floats
 from tests.real.exhibit import Camera
@@ -64,7 +65,7 @@ def chromium(root: Root, driver: BrowserType, *flags: str) -> Iterator[Browser]:
     profile, inside = root.shared("chromium")
     argv = ["chromium", *_FLAGS, f"--user-data-dir={inside}", *flags, "about:blank"]
     log = profile.with_suffix(".log")
-    with root.start(argv, log=log):
+    with root.start(argv, log=log) as started:
         port = profile / "DevToolsActivePort"
         end = time.monotonic() + _START
         while not (port.is_file() and port.read_text().strip()):
@@ -74,7 +75,11 @@ def chromium(root: Root, driver: BrowserType, *flags: str) -> Iterator[Browser]:
         try:
             yield browser
         finally:
-            browser.close()
+            with suppress(
+                Error, subprocess.TimeoutExpired
+            ):  # it ends by itself, so that what it cost is known
+                browser.new_browser_cdp_session().send("Browser.close")
+                started.wait(10)
 
 
 def tab_of(browser: Browser, before: str = "", **context: Any) -> Page:
