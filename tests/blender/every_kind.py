@@ -13,8 +13,10 @@ from radtex_addon.bake.layers import Layer
 from radtex_addon.bake.spec import BakeSpec, Kind, Layout, View
 from radtex_addon.core.sampler import Filter
 from radtex_addon.job import bake_object
+from radtex_addon.report.finished_bake import find_bake
 from radtex_addon.textures.export_spec import Arrangement, ExportSpec, Target
 from tests.blender import stage
+from tests.finished_bakes import finished_bake
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
 
@@ -41,8 +43,14 @@ EXPORTS = {
 }
 
 
-def bake_every_kind(folder: Path) -> dict[str, Path]:
-    """Bake a box of two materials around a ball by each of SPECS; returns the sidecars."""
+def every_kind(folder: Path) -> dict[str, Path]:
+    """The sidecars of a box that was baked by each of SPECS, by their names."""
+    finished_bake(folder, _bake_every_kind)
+    return {name: find_bake(folder / name, None, "shown", tuple(Kind)).path for name in SPECS}
+
+
+def _bake_every_kind(folder: Path) -> None:
+    """Bake a box of two materials around a ball by each of SPECS."""
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     stage.hdri(stage.world())
     bpy.ops.mesh.primitive_cube_add(size=2, location=(1, 2, 3))
@@ -54,8 +62,5 @@ def bake_every_kind(folder: Path) -> dict[str, Path]:
     box.data.polygons[0].material_index = 1
     bpy.ops.mesh.primitive_ico_sphere_add(radius=0.6, location=(1, 2, 3))
     context.object.data.materials.append(stage.material("Ball", "ShaderNodeEmission"))
-    found = {}
     for name, spec in SPECS.items():
-        made = bake_object(context.scene, NAME, spec, folder / name, preview=Filter.QUADRILINEAR)
-        found[name] = made.files.sidecar
-    return found
+        bake_object(context.scene, NAME, spec, folder / name, preview=Filter.QUADRILINEAR)

@@ -22,7 +22,7 @@ from radtex_addon.export.gltf import EXTENSION, extension_in
 from radtex_addon.formats.containers.glb import Glb
 from radtex_addon.formats.containers.texture import PixelFormat
 from radtex_addon.textures.entry import Arranged, Container
-from tests.blender.every_kind import EXPORTS, bake_every_kind
+from tests.blender.every_kind import EXPORTS, every_kind
 from tests.gltf_schema import BAKE, EXTENSION_FOLDER, TEXTURE, extensions_of, problems, schemas
 from tests.reference.textures import read_ktx2
 
@@ -107,7 +107,7 @@ def test_what_is_wrong_is_found(spoil: Any, words: str) -> None:
 @pytest.fixture(scope="module")
 def bakes(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Path]:
     """Sidecars by kind; not to be written to."""
-    return bake_every_kind(tmp_path_factory.mktemp("kinds"))
+    return every_kind(tmp_path_factory.mktemp("kinds"))
 
 
 @pytest.mark.parametrize("name", EXPORTS)

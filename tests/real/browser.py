@@ -8,20 +8,22 @@ import base64
 import functools
 import http.server
 import io
+import subprocess
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass
+from contextlib import contextmanager, suppress
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from PIL import Image
-from playwright.sync_api import Browser, BrowserType, Page
+from playwright.sync_api import Browser, BrowserType, Error, Page
 
 from radtex_addon.core.arrays import Floats
 from tests.real.exhibit import Camera
+from tests.real.kinds import Sun
 from tests.real.root import Root
 
 _FLAGS = (
@@ -32,16 +34,23 @@ _FLAGS = (
     "--remote-debugging-port=0",
 )
 SOFTWARE_GL = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist")
-# Tells how many callbacks wait for the next frame: a page of ours draws in those alone.
+HARD_EDGES = "--webgl-antialiasing-mode=none"  # a picture is drawn in half the time
+# Tells which callbacks wait for the next frame: a page of ours draws in those alone.
 _COUNT_FRAMES = """{
-    const real = window.requestAnimationFrame.bind(window);
-    window.awaitedFrames = 0;
+    const request = window.requestAnimationFrame.bind(window);
+    const cancel = window.cancelAnimationFrame.bind(window);
+    window.awaitedFrames = new Set();
     window.requestAnimationFrame = (drawn) => {
-        window.awaitedFrames++;
-        return real((now) => {
-            window.awaitedFrames--;
+        const number = request((now) => {
+            awaitedFrames.delete(number);
             drawn(now);
         });
+        awaitedFrames.add(number);
+        return number;
+    };
+    window.cancelAnimationFrame = (number) => {
+        awaitedFrames.delete(number);
+        cancel(number);
     };
 }
 """
@@ -56,7 +65,7 @@ def chromium(root: Root, driver: BrowserType, *flags: str) -> Iterator[Browser]:
     profile, inside = root.shared("chromium")
     argv = ["chromium", *_FLAGS, f"--user-data-dir={inside}", *flags, "about:blank"]
     log = profile.with_suffix(".log")
-    with root.start(argv, log=log):
+    with root.start(argv, log=log) as started:
         port = profile / "DevToolsActivePort"
         end = time.monotonic() + _START
         while not (port.is_file() and port.read_text().strip()):
@@ -66,7 +75,11 @@ def chromium(root: Root, driver: BrowserType, *flags: str) -> Iterator[Browser]:
         try:
             yield browser
         finally:
-            browser.close()
+            with suppress(
+                Error, subprocess.TimeoutExpired
+            ):  # it ends by itself, so that what it cost is known
+                browser.new_browser_cdp_session().send("Browser.close")
+                started.wait(10)
 
 
 def tab_of(browser: Browser, before: str = "", **context: Any) -> Page:
@@ -111,12 +124,14 @@ class Shown:
 
     def still(self) -> None:
         """Until nothing waits for another frame."""
-        self.page.wait_for_function("awaitedFrames === 0")
+        self.page.wait_for_function("awaitedFrames.size === 0")
 
     def screen(self) -> Floats:
-        """What the screen shows, (H, W, 3) in [0, 1], without the line that tells the frame rate."""
+        """What the screen shows, (H, W, 3) in [0, 1], a pixel for each CSS pixel, without the frame rate."""
         hidden = "#status { visibility: hidden }"
-        with Image.open(io.BytesIO(self.page.screenshot(style=hidden, animations="disabled"))) as image:
+        with Image.open(
+            io.BytesIO(self.page.screenshot(style=hidden, scale="css", animations="disabled"))
+        ) as image:
             return np.asarray(image.convert("RGB"), dtype=np.float32) / 255
 
     @staticmethod
@@ -125,9 +140,10 @@ class Shown:
         matrix = (TO_GLTF @ np.array(camera.matrix)).ravel().tolist()
         return [matrix, float(np.radians(camera.fovy)), camera.pixels, camera.pixels]
 
-    def set_camera(self, camera: Camera) -> None:
-        """Take the place of an exhibit's camera."""
-        self.page.evaluate("camera => radtex.setCamera(...camera)", self.view(camera))
+    def set_camera(self, camera: Camera, sun: Sun | None = None) -> None:
+        """Take the place of an exhibit's camera, and draw it, once, by that sun."""
+        both = "([camera, sun]) => { if (sun) radtex.setSun(sun); radtex.setCamera(...camera); }"
+        self.page.evaluate(both, [self.view(camera), sun and asdict(sun)])
 
     def pixels(self, flat: bool = False) -> Floats:
         """Linear light of the picture, (H, W, 4), rows from the top."""

@@ -18,7 +18,7 @@ from playwright.sync_api import BrowserType, sync_playwright
 from radtex_addon.bake.spec import Kind, View
 from tests.blender import surroundings
 from tests.blender.furnished_room import bake_room
-from tests.real.browser import SOFTWARE_GL, chromium, served
+from tests.real.browser import HARD_EDGES, SOFTWARE_GL, chromium, served
 from tests.real.engines import Compilers
 from tests.real.exhibit import Exhibit, Form
 from tests.real.installable import build_zip, with_wheels
@@ -26,7 +26,7 @@ from tests.real.kinds import SPECS, KindBake, baked
 from tests.real.mirror_scene import Stage
 from tests.real.panel import radtex_window
 from tests.real.root import BLENDER, COMPILERS, PROGRAMS, Recipe, Root, RootUnavailableError, ready_root
-from tests.real.web import Site, build_page
+from tests.real.web import FIGURES, Site, build_page
 from tests.real.window import Window
 
 
@@ -152,5 +152,6 @@ def web(root: Root, driver: BrowserType, tmp_path_factory: pytest.TempPathFactor
     """A browser, and a server for web exports."""
     build_page()
     folder = tmp_path_factory.mktemp("site")
-    with chromium(root, driver, *SOFTWARE_GL) as browser, served(folder) as address:
+    flags = SOFTWARE_GL if FIGURES else (*SOFTWARE_GL, HARD_EDGES)
+    with chromium(root, driver, *flags) as browser, served(folder) as address:
         yield Site(folder, address, browser)

@@ -39,6 +39,8 @@ from radtex_addon.scene.preview_file import baked_copy
 from tests.blender import surroundings
 
 ROOT = Path(__file__).resolve().parents[2]
+FIGURES = os.environ.get("RADTEX_FIGURES")  # where pictures for the docs are kept: of a finer head
+SUBDIVISIONS = 2 if FIGURES else 1
 PLACE = Matrix.LocRotScale((0.1, -0.05, 0.15), Euler((0.15, -0.1, 0.4)), (1.0, 1.1, 0.95))
 
 
@@ -178,7 +180,7 @@ def decibels(picture: Picture, reference: Picture, mask: Mask) -> float:
 
 def small_unless_kept() -> None:
     """Let layered bakes of this process take small pictures of the surroundings, unless ours are for docs."""
-    if not os.environ.get("RADTEX_FIGURES"):
+    if not FIGURES:
         surroundings.make_small(pytest.MonkeyPatch())
 
 
@@ -195,11 +197,18 @@ def _paint_upper_half(head: Any) -> None:
         face.material_index = int(face.center.z > 0)
 
 
-def stage(form: Form) -> bpy.types.Scene:
-    """Open the head's scene."""
+def head_stage() -> tuple[bpy.types.Scene, Any]:
+    """Open the scene of the head; both, the head at its place."""
     scene = build_demo_scene()
     head: Any = bpy.data.objects[OBJECT]
     head.matrix_world = PLACE
+    head.modifiers[0].levels = head.modifiers[0].render_levels = SUBDIVISIONS
+    return scene, head
+
+
+def stage(form: Form) -> bpy.types.Scene:
+    """Open the head's scene, to be baked in a form."""
+    scene, head = head_stage()
     gold = next(node for node in head.active_material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
     gold.inputs["Metallic"].default_value = 0.6
     if form is Form.LAYERED:

@@ -37,21 +37,22 @@ from radtex_addon.job import bake_object
 from radtex_addon.report.finished_bake import find_bake
 from radtex_addon.report.gbuffer import BakedSurface, GBuffer
 from radtex_addon.report.metrics import Picture
-from radtex_addon.scene.demo import OBJECT, build_demo_scene
+from radtex_addon.scene.demo import OBJECT
 from radtex_addon.scene.preview_file import baked_copy
-from tests.real.exhibit import PLACE, ROOT, Bake, Camera
+from tests.real.exhibit import FIGURES, PLACE, ROOT, Bake, Camera, head_stage
 from tests.reference.relighting import sample_transfer
 from tests.reference.shadows import cell_visibility, soft_visibility, sun_directions, sun_weight, visibility
 
+TEXELS = 64 if FIGURES else 40
 HULL = "Hull"
 LAYERS = (Layer.BASE, Layer.REST, Layer.GLOSSY)  # of the proxy; they change nothing of the whole
 POINTS = 32  # of the sun's disc, as the page takes
 MOST_BLENDED = 8  # cells on a side that soft shadows blend; whole ones of more
 SPECS = {
-    Kind.SHADOW: BakeSpec(kind=Kind.SHADOW, texels=64),
-    Kind.AO: BakeSpec(kind=Kind.AO, texels=64, samples=1),
-    Kind.PROXY: BakeSpec(kind=Kind.PROXY, texels=64, samples=4, content="Inside", layers=LAYERS),
-    Kind.TRANSFER: BakeSpec(kind=Kind.TRANSFER, texels=64, samples=1),
+    Kind.SHADOW: BakeSpec(kind=Kind.SHADOW, texels=TEXELS),
+    Kind.AO: BakeSpec(kind=Kind.AO, texels=TEXELS, samples=1),
+    Kind.PROXY: BakeSpec(kind=Kind.PROXY, texels=TEXELS, samples=4, content="Inside", layers=LAYERS),
+    Kind.TRANSFER: BakeSpec(kind=Kind.TRANSFER, texels=TEXELS, samples=1),
 }
 
 
@@ -194,9 +195,7 @@ def baked(kind: Kind, folder: Path, cells: int | None = None, view: View = View.
 
 def main(kind: Kind, folder: Path, view: View, cells: int | None) -> None:
     """Bake the head, or the hull around it, with its preview."""
-    scene = build_demo_scene()
-    head: Any = bpy.data.objects[OBJECT]
-    head.matrix_world = PLACE
+    scene, head = head_stage()
     name = OBJECT
     if kind is Kind.PROXY:
         inside = bpy.data.collections.new("Inside")

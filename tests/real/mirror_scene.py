@@ -9,7 +9,6 @@ The camera alone sees the ball, so that it neither darkens the stage nor shows i
 
 from __future__ import annotations
 
-import os
 import subprocess
 import sys
 from collections.abc import Sequence
@@ -30,7 +29,7 @@ from radtex_addon.report.metrics import Mask, Picture, display
 from radtex_addon.scene.nodes import open_world
 from tests.bench.gallery import looking
 from tests.bench.gallery.looking import PIXELS, Place, added, empty_scene, principled, rendered, tiles
-from tests.real.exhibit import ROOT, Bake, Camera, Form, small_unless_kept
+from tests.real.exhibit import FIGURES, ROOT, Bake, Camera, Form, small_unless_kept
 
 NAME = "Stage"
 CAMERA = Camera("above", (1.9, -2.6, 1.5), target=(0.0, 0.1, 0.35), fovy=46.0, pixels=PIXELS)
@@ -38,7 +37,7 @@ PLACES: tuple[Place, ...] = ((-0.45, -0.35, 0.5), (0.05, -0.45, 0.55), (0.6, -0.
 RADIUS = 0.3
 CHROME = (0.9, 0.92, 0.95)  # seen straight on
 SKY = (0.45, 0.55, 0.7)  # of the plain bake
-SAMPLES = 32
+TEXELS, SAMPLES = (128, 32) if FIGURES else (96, 16)
 LEAST = 28.0  # decibels in the ball
 
 
@@ -73,10 +72,10 @@ class Stage:
 
 def keep_row(name: str, truth: Sequence[Picture], ours: Sequence[Picture]) -> None:
     """Save pictures, path traced above ours, if somebody asked for them."""
-    if folder := os.environ.get("RADTEX_FIGURES"):
+    if FIGURES:
         rows = [np.concatenate([display(picture) for picture in row], axis=1) for row in (truth, ours)]
         image = Image.fromarray((np.concatenate(rows) * 255 + 0.5).astype(np.uint8))
-        image.quantize(128, dither=Image.Dither.NONE).save(Path(folder, f"{name}.png"), optimize=True)
+        image.quantize(128, dither=Image.Dither.NONE).save(Path(FIGURES, f"{name}.png"), optimize=True)
 
 
 def silhouette(place: Place) -> Mask:
@@ -126,9 +125,9 @@ def gradient() -> bpy.types.World:
 def bake_stage(form: Form, folder: Path) -> None:
     """Bake the stage in one form, with its preview; it is the open scene then."""
     scene = stage(form)
-    texels, samples = (128, 4) if form is Form.LAYERED else (128, 8)
+    samples = 4 if form is Form.LAYERED else 8
     layout = {"layout": form.spec.layout} if form is Form.LAYERED else {"bucket": 8}
-    spec = BakeSpec(texels=texels, samples=samples, **layout)
+    spec = BakeSpec(texels=TEXELS, samples=samples, **layout)
     bake_object(scene, NAME, spec, folder, preview=Filter.QUADRILINEAR, overwrite=True)
 
 

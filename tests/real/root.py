@@ -57,8 +57,13 @@ _ENVIRONMENT = {
     "LANG": "C.UTF-8",
 }
 ANSWERED = "ANSWERED"  # the line that ends an answer of a Server
-# Where Mesa and Godot find the shaders again that they compiled when they were started before.
-_KEPT = {"XDG_CACHE_HOME": "/shared/.kept/cache", "XDG_DATA_HOME": "/shared/.kept/data"}
+_MESA = {
+    # Where Mesa and Godot find the shaders again that they compiled when they were started before.
+    "XDG_CACHE_HOME": "/shared/.kept/cache",
+    "XDG_DATA_HOME": "/shared/.kept/data",
+    # To optimise our shaders takes Mesa longer than to draw a small picture by them.
+    "GALLIVM_PERF": "nopt",
+}
 
 
 @dataclass(frozen=True)
@@ -203,7 +208,7 @@ class Root:
         self, argv: Sequence[str], *, env: Mapping[str, str] | None = None, cwd: str = "/shared"
     ) -> list[str]:
         """What to execute on this machine to execute `argv` inside; `env` adds to what is set."""
-        variables = [f"{name}={value}" for name, value in {**_ENVIRONMENT, **_KEPT, **(env or {})}.items()]
+        variables = [f"{name}={value}" for name, value in {**_ENVIRONMENT, **_MESA, **(env or {})}.items()]
         places = (str(self.path), str(self.exchange), str(REPOSITORY), cwd)
         return [*_entered(*places), "/usr/bin/env", "-i", *variables, *argv]
 

@@ -10,6 +10,7 @@ from typing import Any, cast
 import bpy
 import pytest
 
+from tests.bench.engines import looking, programs
 from tests.bench.engines.__main__ import Programs, Settings, measured
 from tests.bench.engines.report import LOOKUP, table
 from tests.bench.fidelity.scenes.materials import assign, connect, principled
@@ -56,11 +57,18 @@ def sieves() -> Stage:
     return finish("sieves", as_subject(made()), see_through=True)
 
 
+@pytest.fixture(params=[1])
+def few_rays(request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Pictures of fewer pixels than those that are measured by hand, and no reference of an earlier run."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    for module in (looking, programs):
+        monkeypatch.setattr(module, "RAYS", request.param)
+
+
 def test_programs_show_what_the_reference_lookup_sees(
-    web: Site, root: Root, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    web: Site, root: Root, tmp_path: Path, few_rays: None
 ) -> None:
     """The page and Godot blend display values, the others light. Eevee takes a minute for its shaders."""
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     settings = Settings(texels=24, views=1, samples=16, spp=4, by=("Chromium", "Godot", "Cycles"))
     strip = tmp_path / "sheet.png"
     row = measured(sheet, settings, Programs(root, web), strip)
@@ -73,14 +81,12 @@ def test_programs_show_what_the_reference_lookup_sees(
     assert abs(row.decibels["Godot"] - row.decibels["Chromium"]) < APART
 
 
-def test_what_is_cut_out_hides_nothing(
-    web: Site, root: Root, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+@pytest.mark.parametrize("few_rays", [2], indirect=True)  # for the edges
+def test_what_is_cut_out_hides_nothing(web: Site, root: Root, tmp_path: Path, few_rays: None) -> None:
     """Holes are neither drawn nor written as depths: what lies behind them is seen through them.
 
     Godot blends soft edges in the order of the mesh, which costs 2 dB; with depths in holes it would be 7.
     """
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     settings = Settings(texels=48, views=1, samples=16, spp=1, by=("Chromium", "Godot"))
     row = measured(sieves, settings, Programs(root, web), tmp_path / "sieves.png")
     print(table({"sieves": row}))

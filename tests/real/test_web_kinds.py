@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from dataclasses import asdict
 
 import numpy as np
 import pytest
@@ -39,16 +38,10 @@ def agreement(shown: Shown, expected: Picture, made: KindBake, camera: Camera) -
     return min(light, decibels(found[..., 3:], expected[..., 3:], mask))
 
 
-def set_sun(shown: Shown, sun: Sun) -> None:
-    shown.page.evaluate("sun => radtex.setSun(sun)", asdict(sun))
-
-
 def compare(shown: Shown, made: KindBake, suns: tuple[Sun | None, ...], name: str) -> None:
     """Hold the page's pictures to the reference's: from a camera by each sun."""
     for sun, camera in zip(suns, (*CAMERAS, FRONT), strict=False):
-        shown.set_camera(camera)  # first, as its picture is smaller than the window
-        if sun:
-            set_sun(shown, sun)
+        shown.set_camera(camera, sun)
         found = agreement(shown, made.seen(camera, sun), made, camera)
         print(f"{name}, {camera.name}, {sun}: {found:.1f} dB")
         assert found >= LEAST
@@ -64,8 +57,7 @@ def check_inspector(shown: Shown, made: KindBake) -> None:
     mask = made.eroded(FRONT)
     mask[:90] = False  # there are words
     rows, columns = np.nonzero(mask)
-    shown.set_camera(FRONT)
-    set_sun(shown, sun)
+    shown.set_camera(FRONT, sun)
     for number in np.linspace(0, len(rows) - 1, 5).astype(int):
         row, column = int(rows[number]), int(columns[number])
         shown.page.mouse.click(column + 0.5, row + 0.5)
@@ -116,7 +108,7 @@ def check_layers(shown: Shown, made: KindBake) -> None:
 def test_a_proxy_shows_what_is_in_it_and_its_layers(web: Site, kind_bake: Bakes) -> None:
     made = kind_bake(Kind.PROXY)
     web.add("proxy", made, layers=LAYERS)
-    with web.opened("proxy/") as shown:
+    with web.opened("proxy/", device_scale_factor=1) as shown:
         shown.wait().page.get_by_role("button", name="Quadrilinear").click()
         for camera in CAMERAS:
             shown.set_camera(camera)
@@ -181,7 +173,7 @@ def test_transfer_answers_to_a_sun_of_any_direction_and_colour(
         plain = (view, limit) == (View.NORMAL, None)
         if plain:
             check_controls(shown, own=["strength", "colour"], others=["size"])
-            set_sun(shown, Sun(0, 45))
+            shown.set_camera(FRONT, Sun(0, 45))
         compare(shown, made, LIGHTS, name)
         if plain:
             check_inspector(shown, made)

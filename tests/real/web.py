@@ -63,8 +63,13 @@ class Site:
     def opened(
         self, name: str, width: int = 760, height: int = 500, before: str = "", **context: Any
     ) -> Iterator[Shown]:
-        """A tab with the export of that name; `before` is a script that runs before the page's."""
-        page = tab_of(self.browser, before, viewport={"width": width, "height": height}, **context)
+        """A tab with the export of that name; `before` is a script that runs before the page's.
+
+        A pixel of its first picture is two CSS pixels wide, unless told otherwise (`device_scale_factor`) or
+        figures are kept: what is compared is drawn by `set_camera`, a pixel for each CSS pixel.
+        """
+        settings = {"device_scale_factor": 1 if FIGURES else 0.5} | context
+        page = tab_of(self.browser, before, viewport={"width": width, "height": height}, **settings)
         try:
             page.goto(f"{self.address}/{name}")
             yield Shown(page)

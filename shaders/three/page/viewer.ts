@@ -305,8 +305,13 @@ export class Viewer {
     };
   }
 
-  /** Draw now. */
+  /** Draw now, and not again in the frame that was asked for. */
   draw(): void {
+    cancelAnimationFrame(this.scheduled);
+    this.frame(performance.now());
+  }
+
+  private paint(): void {
     const { renderer } = this;
     const { width, height } = renderer.getSize(new Vector2());
     this.setDepths();
@@ -386,7 +391,7 @@ export class Viewer {
     const rate = 1000 / Math.max(1, now - this.before);
     this.before = now;
     this.rate = !this.flowing ? null : this.rate === null ? rate : this.rate + (rate - this.rate) * 0.15;
-    this.draw();
+    this.paint();
     if (moving || this.controls.autoRotate || mirroring) this.invalidate();
     this.flowing = this.scheduled !== 0;
     if (!this.flowing) this.rate = null;

@@ -39,7 +39,7 @@ def by_chromium(site: Site, name: str, looked_from: Sequence[Look]) -> list[Pict
     """What the exported page `name` shows."""
     side = looked_from[0].camera.pixels
     found = []
-    with site.opened(f"{name}/", width=side, height=side) as shown:
+    with site.opened(f"{name}/", width=side, height=side, device_scale_factor=1) as shown:
         shown.wait()
         for look in looked_from:
             shown.set_camera(look.camera)

@@ -122,6 +122,7 @@ func set_sky(environment: Environment, levels: Array) -> void:
 	var panorama := PanoramaSkyMaterial.new()
 	panorama.panorama = ImageTexture.create_from_image(image)
 	environment.sky = Sky.new()
+	environment.sky.radiance_size = Sky.RADIANCE_SIZE_64  # a sixteenth of the work of the usual one
 	environment.sky.sky_material = panorama
 	environment.ambient_light_source = Environment.AMBIENT_SOURCE_SKY
 
