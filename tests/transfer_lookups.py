@@ -11,7 +11,7 @@ import numpy as np
 
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.frame import orthonormal_frame, to_frame
-from radtex_addon.core.sampler import with_views
+from radtex_addon.formats.transfer_files import with_views
 from tests.lookups import COUNT, LAYOUT, Lookups, random_lookups
 from tests.reference.relighting import relight, sample_transfer
 

@@ -84,7 +84,7 @@ class KindTraits:
       is worth a warning. `looks_at_surface`: records the light of the object's own surface, so that cells
       that nobody can see are skipped. `judged`: a path-traced picture can be compared with its preview.
     * Where it is exported: `hlsl`: its form writes a lookup with the bake's numbers, which engines need;
-      `include`: its shader include, beside radtex's own; `lit`: by what it is lit there.
+      `lit`: by what it is lit there.
     """
 
     title: str
@@ -111,7 +111,6 @@ class KindTraits:
     looks_at_surface: bool = False
     judged: bool = True
     hlsl: bool = True
-    include: str | None = None
     lit: Lit = Lit.BY_ITSELF
 
 
@@ -183,7 +182,6 @@ KINDS: dict[Kind, KindTraits] = {
         needs_light=False,
         judged=False,
         hlsl=False,
-        include="radtex_shadow",
         lit=Lit.BY_LAMPS,
     ),
     Kind.AO: KindTraits(
@@ -211,7 +209,6 @@ KINDS: dict[Kind, KindTraits] = {
         views=True,
         needs_camera_rays=True,
         needs_light=False,
-        include="radtex_transfer",
         lit=Lit.BY_LAMPS,
     ),
 }

@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..formats.json_reader import Facts
-from .forms import AMBIENT, LAYERED, has_light_layers
+from .forms import LAYERED, has_light_layers
 from .spec import BakeSpec
 
 
@@ -31,11 +31,12 @@ class Quality:
     def of_spec(cls, spec: BakeSpec, passes: int = 1) -> Quality:
         """Of a bake to be made, with so many passes in all, each of which adds as many samples again."""
         form, samples = spec.form, spec.samples * passes
+        single = not spec.kind.traits.cells  # all rays of a texel go into one cell
         return cls(
             layout=form.layout,
             texels=spec.texels,
-            cells=1 if form is AMBIENT else spec.bucket if form.any_cells else 0,
-            samples=samples * spec.bucket**2 if form is AMBIENT else samples,
+            cells=1 if single else spec.bucket if form.any_cells else 0,
+            samples=samples * spec.bucket**2 if single else samples,
             layers=frozenset(spec.layers),
             density=spec.density,
         )

@@ -18,6 +18,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..core.arrays import Floats, Ints
+from ..core.atlas import AtlasLayout
+from ..core.errors import ShapeError
 from ..core.frame import normalised, to_frame
 from ..core.hemisphere import direction_to_square
 from ..core.octahedron import (
@@ -27,7 +29,7 @@ from ..core.octahedron import (
     octahedron_cell,
     octahedron_taps,
 )
-from ..core.sampler import lookup_solid_angles_sr
+from ..formats.transfer_files import with_views
 from .choices import View
 from .plan import CapturePlan
 from .progress import Progress, Stage
@@ -258,3 +260,33 @@ def _folded(place: Floats) -> Floats:
     back = np.where(place < 0, -place, 2 - place)
     inside = np.where(beyond, back, place)
     return np.where(crossed, 1 - inside, inside)
+
+
+def lookup_solid_angles_sr(size: int, finer: int = 16) -> Floats:
+    """Weight of each cell of a map in the integral of bilinear lookups over the sphere: (size * size,).
+
+    Computed from `finer` x `finer` directions for each cell. A direction's solid angle is proportional to
+    1 / |p|^3, p being its point on |x| + |y| + |z| = 1. The sum is 4 pi.
+    """
+    direction = cell_directions(size * finer).astype(np.float64)
+    share = np.abs(direction).sum(axis=-1) ** 3
+    total = np.zeros(size * size)
+    for cell, weight in octahedron_taps(direction_to_octahedron(direction), size):
+        total += np.bincount(cell, weight * share, size * size)
+    return total * (4 * np.pi / total.sum())
+
+
+def mean_over_lights(image: Floats, layout: AtlasLayout, views: int = 1) -> Floats:
+    """Radiance of texels under white surroundings of radiance 1: (H, W, C), float32, the mean of all views.
+
+    A piece of sky of solid angle w gives an irradiance of w on a plane facing it. Raises ShapeError if the
+    image does not fit the layout.
+    """
+    n, stored = layout.bucket, with_views(layout, views)
+    if image.shape[:2] != (stored.pixel_height, stored.pixel_width):
+        raise ShapeError(f"transfer atlas: expected {stored.pixel_height} x {stored.pixel_width} pixels")
+    weight = lookup_solid_angles_sr(n).astype(np.float32).reshape(n, n)
+    rows = (np.einsum("wqpc,qp->wc", row.astype(np.float32), weight) for row in stored.to_buckets(image))
+    light = np.stack(list(rows)).reshape(layout.height, views, layout.width, views, -1)
+    mean: Floats = light.mean(axis=(1, 3))
+    return mean

@@ -26,7 +26,8 @@ from ..bake.thumbnail import Thumbnail
 from ..bake.transfer_buckets import sun_directions, sun_radius
 from ..core.arrays import Floats
 from ..core.errors import BakeError
-from ..scene.lights.lamps import take_light_away
+from ..scene.lights.lamps import take_lamps_away
+from ..scene.nodes import open_world
 from .portal import Aim, PortalCapture
 
 _GROUP = "RadTexSun"
@@ -60,7 +61,8 @@ def capture_under_suns(
     stores each render, the `thumbnail` gets the mean of the suns so far. Yields progress in texels times
     suns. Raises BakeError where Cycles fails or returns values that are not numbers.
     """
-    take_light_away(scene)
+    scene.world, _ = open_world("RadTex black")
+    take_lamps_away(scene)
     sun = _add_sun(scene, sun_radius(suns))
     count, views = len(plan.texel), plan.layout.bucket**2
     capture = PortalCapture(scene, plan, Kind.RADIANCE, samples, seed, folder, Aim(shift))

@@ -3,6 +3,15 @@
 """The files of a bake of kind `transfer`: `<name>.transfer.exr`, and its sidecar beside it.
 
 The layout has a name of its own ("sphere"), so that readers of hemispherical buckets refuse it.
+
+A lookup gives a texel's radiance under a light from any direction. A bucket is an octahedral map
+(`core.octahedron`) of the directions to the light in the texel's frame: its middle is the normal, its
+corners are the direction opposite to it. A cell holds the radiance that leaves the texel under a directional
+light that gives an irradiance of 1 on a plane facing it. Light is linear: the contributions of several lights
+add up.
+
+A texel captured from k x k views has k x k buckets, and the atlas has W k x H k: the bucket of view (a, b) is
+number (i k + a, j k + b). Views are arranged in a square like the cells of a bucket of radiance.
 """
 
 from __future__ import annotations
@@ -15,7 +24,6 @@ from typing import Any
 from ..core.arrays import Floats
 from ..core.atlas import AtlasLayout
 from ..core.errors import ShapeError
-from ..core.sampler import with_views
 from .containers.exr import Compression, header_text, read_pixels, stored_rows, write_rows
 from .containers.exr_rows import ImageRows, open_rows
 from .disk.atomic import replacing
@@ -26,6 +34,11 @@ from .sidecar_file import AnySidecar, mismatch_error, opened, read_facts
 LAYOUT = "sphere"
 NORMAL, CAMERA, AROUND = VIEWS = ("normal", "camera", "around")  # where texels were captured from
 _MOST_VIEWS = 16
+
+
+def with_views(layout: AtlasLayout, views: int) -> AtlasLayout:
+    """The layout of the stored atlas, whose texels have `views` x `views` buckets each."""
+    return AtlasLayout(layout.width * views, layout.height * views, layout.bucket)
 
 
 @dataclass(frozen=True)

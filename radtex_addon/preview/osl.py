@@ -27,7 +27,6 @@ from ..scene.working_space import REC_709, working_space
 
 SHADERS = Path(__file__).parents[2] / "shaders"
 SOURCE = SHADERS / "radtex.osl"
-TRANSFER_SOURCE = SHADERS / "radtex_transfer.osl"
 _FILTERS = {Filter.NEAREST: 0, Filter.LINEAR: 1, Filter.QUADRILINEAR: 2}
 
 _log = logging.getLogger(__name__)
@@ -49,24 +48,6 @@ def add_osl_node(
         "Height": layout.height,
         "Bucket": layout.bucket,
         "Filter": _FILTERS[kind],
-    }
-    return script_node(tree, source.name, source.read_text(encoding="utf-8"), constants)
-
-
-def add_transfer_osl_node(
-    tree: bpy.types.NodeTree, atlas: Path, layout: AtlasLayout, views: int = 1, source: Path = TRANSFER_SOURCE
-) -> bpy.types.Node:
-    """A Script node that samples the atlas file of kind `transfer` as "RadTex Transfer" does.
-
-    Inputs: those of `add_osl_node`, and Light, the direction to the light; Incoming has no effect if there is
-    only one view. The scene must render as described there, and the errors are the same.
-    """
-    constants = {
-        "Atlas": str(atlas),
-        "Width": layout.width,
-        "Height": layout.height,
-        "Bucket": layout.bucket,
-        "Views": views,
     }
     return script_node(tree, source.name, source.read_text(encoding="utf-8"), constants)
 

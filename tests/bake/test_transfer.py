@@ -11,11 +11,10 @@ import pytest
 
 from radtex_addon.bake.plan import CapturePlan
 from radtex_addon.bake.progress import finished
-from radtex_addon.bake.transfer_buckets import fit_buckets, sun_directions, sun_radius
+from radtex_addon.bake.transfer_buckets import fit_buckets, lookup_solid_angles_sr, sun_directions, sun_radius
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.frame import orthonormal_frame, to_frame
-from radtex_addon.core.sampler import lookup_solid_angles_sr
 from tests.reference.relighting import sample_transfer
 
 CELLS, TEXELS = 9, 40

@@ -19,13 +19,14 @@ from PIL import Image
 
 from radtex_addon.bake.progress import finished
 from radtex_addon.bake.spec import BakeSpec, Kind
+from radtex_addon.bake.transfer_buckets import mean_over_lights
 from radtex_addon.cli import main as batch_module
 from radtex_addon.core.errors import InputError
-from radtex_addon.core.sampler import Filter, mean_over_lights
+from radtex_addon.core.sampler import Filter
 from radtex_addon.export.export_manifest import read_manifest
 from radtex_addon.export.exporting import export_steps
 from radtex_addon.export.folder import files_in
-from radtex_addon.export.targets.godot import LOOKUPS
+from radtex_addon.export.pack import SHADERS
 from radtex_addon.formats.codecs.srgb import to_srgb
 from radtex_addon.formats.containers.glb import Glb
 from radtex_addon.formats.containers.texture import PixelFormat
@@ -110,7 +111,9 @@ def test_godots_project_has_the_addon_and_the_light_that_a_kind_needs(
     made = tmp_path / "baked/Box.godot"
     addon = {f"addons/radtex/{name}" for name in ("plugin.cfg", "importer.gd", "LICENSE", "README.md")}
     assert addon | {"project.godot", "Box.glb", f"Box.{kind}.ktx2"} <= set(files_in(made))
-    assert {f"addons/radtex/lookups/{name}.gdshaderinc" for name in LOOKUPS} <= set(files_in(made))
+    assert {f"addons/radtex/lookups/{each.name}" for each in SHADERS.glob("*.gdshaderinc")} <= set(
+        files_in(made)
+    )
     scene = (made / "main.tscn").read_text(encoding="utf-8")
     assert "@" not in scene
     assert ("DirectionalLight3D" in scene) is (kind in (Kind.SHADOW, Kind.TRANSFER))

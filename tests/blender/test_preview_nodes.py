@@ -18,8 +18,9 @@ from radtex_addon.core.errors import FormatError, InputError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.formats.sidecar import Sidecar
 from radtex_addon.formats.transfer_files import TransferSidecar, write_transfer
+from radtex_addon.forms.sphere.preview import build_transfer_group
 from radtex_addon.job import bake_object
-from radtex_addon.preview.lit_material import DIRECTION, IRRADIANCE, build_transfer_group, first_sun
+from radtex_addon.preview.lit_material import DIRECTION, IRRADIANCE, first_sun
 from radtex_addon.preview.material import load_atlas
 from radtex_addon.preview.node_group import build_sample_group
 from radtex_addon.preview.swap import switch_off, switch_on

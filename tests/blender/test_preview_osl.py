@@ -19,6 +19,7 @@ from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.formats.sidecar import Sidecar, write_sidecar
+from radtex_addon.forms.sphere.preview import add_transfer_osl_node
 from radtex_addon.preview import osl
 from radtex_addon.scene.nodes import NodeBuilder, Socket
 from tests.blender.lookup_stage import (
@@ -212,7 +213,7 @@ def shader_of(atlas: Path, question: Question) -> Shader:
     lights.update()
 
     def shader(build: NodeBuilder, inputs: Inputs) -> tuple[Socket, ...]:
-        node = osl.add_transfer_osl_node(build.tree, atlas, LAYOUT, question.views)
+        node = add_transfer_osl_node(build.tree, atlas, LAYOUT, question.views)
         for name, source in zip(("UV", "Normal", "Tangent", "Sign", "Incoming"), inputs, strict=True):
             build.feed(node.inputs[name], source)
         place = build.vector("FRACTION", build.uv_map("places"))

@@ -18,9 +18,9 @@ import numpy as np
 
 from radtex_addon.bake.layers import Layer
 from radtex_addon.bake.spec import BakeSpec, CaptureMethod, Kind, Layout
+from radtex_addon.bake.transfer_buckets import mean_over_lights
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.frame import normalised
-from radtex_addon.core.sampler import mean_over_lights
 from radtex_addon.formats.bucket_files import read_layer
 from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.formats.shadow_files import read_shadow_of

@@ -7,12 +7,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from radtex_addon.bake.transfer_buckets import lookup_solid_angles_sr, mean_over_lights
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.errors import ShapeError
 from radtex_addon.core.hemisphere import cell_centres, square_to_direction
 from radtex_addon.core.octahedron import cell_directions
-from radtex_addon.core.sampler import lookup_solid_angles_sr, mean_over_lights, with_views
+from radtex_addon.formats.transfer_files import with_views
 from tests.reference.relighting import sample_transfer
 
 LAYOUT = AtlasLayout(3, 2, 6)

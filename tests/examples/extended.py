@@ -14,11 +14,11 @@ import tempfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-_MEMBER = '    TRANSFER = "transfer"\n'
+_END_OF_MEMBERS = "\n    @property\n    def traits(self) -> KindTraits"
 _END_OF_KINDS = "}\n\n\nDEFAULT_KIND"
 _END_OF_FIELDS = "\n\n_DEFAULTS"
 _END_OF_LIGHT = "))\n\nLAYOUT"
-_END_OF_FORMS = "SPHERE, LAYERED)"
+_END_OF_FORMS = "LAYERED)\n"
 
 KIND_MEMBER = '    IRRADIANCE = "irradiance"\n'
 KIND_ROW = """    Kind.IRRADIANCE: KindTraits(
@@ -56,7 +56,8 @@ def add_kind(folder: Path, form: str = "") -> Path:
     package = _copied(folder)
     row = KIND_ROW.replace("        source", f"        form={form},\n        source") if form else KIND_ROW
     _insert(
-        package / "bake" / "kinds.py", {_MEMBER: _MEMBER + KIND_MEMBER, _END_OF_KINDS: row + _END_OF_KINDS}
+        package / "bake" / "kinds.py",
+        {_END_OF_MEMBERS: KIND_MEMBER + _END_OF_MEMBERS, _END_OF_KINDS: row + _END_OF_KINDS},
     )
     return package
 
@@ -66,7 +67,7 @@ def add_form(folder: Path) -> Path:
     package = add_kind(folder, form="MEAN")
     shutil.copytree(ROOT / "tests" / "examples" / "mean", package / "forms" / "mean")
     row = f"MEAN = {FORM_ROW}\n"
-    forms = {"\nFORMS = (": f"\n{row}FORMS = (", _END_OF_FORMS: "SPHERE, LAYERED, MEAN)"}
+    forms = {"\nFORMS = (": f"\n{row}FORMS = (", _END_OF_FORMS: "LAYERED, MEAN)\n"}
     _insert(package / "bake" / "forms.py", forms)
     _insert(package / "bake" / "kinds.py", {"AMBIENT, BITS": "AMBIENT, BITS, MEAN"})
     return package

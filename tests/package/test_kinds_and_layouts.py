@@ -13,7 +13,8 @@ from collections.abc import Iterator
 
 import pytest
 
-from radtex_addon.bake.kinds import KINDS, Kind, Layout, Light
+from radtex_addon.bake.forms import FORMS
+from radtex_addon.bake.kinds import KINDS, Kind, Lit
 from radtex_addon.bake.targets import TARGETS, Target, targets_of
 from radtex_addon.export.targets import writer_of
 from tests.package import support_matrix
@@ -24,8 +25,8 @@ pytestmark = pytest.mark.one_blender
 WEB_PAGE = PACKAGE.parent / "shaders/three/src/kinds.ts"
 
 _TABLES = {("bake", "kinds.py"), ("bake", "forms.py")}
-_NAMES = {*map(str, Kind), *map(str, Layout), "sphere"}
-_CONSTANTS = {"LAYOUT", "KIND", "LAYERED", "BUCKETS", "SPHERE", "SHADOW", "DEFAULT_KIND"}
+_NAMES = {*map(str, Kind), *(form.layout for form in FORMS)}
+_CONSTANTS = {"LAYOUT", "KIND", "SHADOW", "DEFAULT_KIND", *(form.name.upper() for form in FORMS)}
 
 
 def comparisons() -> Iterator[str]:
@@ -85,10 +86,7 @@ def test_the_web_page_lights_what_depends_on_lamps() -> None:
     """Only these kinds have a sun, whose direction is looked up."""
     text = WEB_PAGE.read_text(encoding="utf-8")
     lit = re.findall(r'^  (\w+): {[^}]*way: "L"', text, flags=re.MULTILINE)
-    answers = [
-        kind for kind, row in KINDS.items() if row.light is Light.RESPONSE or row.include == "radtex_shadow"
-    ]
-    assert sorted(lit) == sorted(answers)
+    assert sorted(lit) == sorted(kind for kind, row in KINDS.items() if row.lit is Lit.BY_LAMPS)
 
 
 def test_the_page_on_what_goes_with_what_is_what_the_code_refuses() -> None:

@@ -14,8 +14,9 @@ import pytest
 from radtex_addon.core.arrangements import fitting_pages, to_slices
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
-from radtex_addon.core.sampler import Filter, with_views
+from radtex_addon.core.sampler import Filter
 from radtex_addon.formats.shadow_files import Words
+from radtex_addon.formats.transfer_files import with_views
 from radtex_addon.forms.layered.shader_values import (
     DEFAULT,
     FULL,

@@ -12,7 +12,7 @@ import pytest
 
 from radtex_addon.core.arrangements import Pages, fitting_pages
 from radtex_addon.core.arrays import Floats
-from radtex_addon.core.sampler import with_views
+from radtex_addon.formats.transfer_files import with_views
 from tests.lookups import COUNT, LAYOUT, SIDE, relative_error
 from tests.real.godot import RENDERERS, Job, answers
 from tests.real.hlsl import COMPILERS, looked_up

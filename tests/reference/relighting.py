@@ -13,7 +13,8 @@ from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.errors import ShapeError
 from radtex_addon.core.hemisphere import direction_to_square
 from radtex_addon.core.octahedron import direction_to_octahedron, octahedron_taps
-from radtex_addon.core.sampler import checked_lookups, four_cells, four_texels, with_views
+from radtex_addon.core.sampler import checked_lookups, four_cells, four_texels
+from radtex_addon.formats.transfer_files import with_views
 
 
 def sample_transfer(

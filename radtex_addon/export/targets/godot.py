@@ -18,14 +18,6 @@ from ..pack import SHADERS, Pack, ScenePack, filled, write_text_file
 from . import Writer
 
 ADDON = Path("addons", "radtex")  # where Godot's asset library and every project have it
-LOOKUPS = (
-    "radtex",
-    "radtex_layered",
-    "radtex_layered_through",
-    "radtex_shadow",
-    "radtex_trace",
-    "radtex_transfer",
-)
 TEMPLATES = Path(__file__).parents[1] / "godot_project"
 _MIRROR = """\
 [node name="Mirror" type="MeshInstance3D" parent="."]
@@ -60,8 +52,8 @@ def copy_addon(project: Path) -> Path:
     addon = project / ADDON
     shutil.copytree(SHADERS / "godot" / ADDON, addon)
     (addon / "lookups").mkdir()
-    for name in LOOKUPS:
-        shutil.copyfile(SHADERS / f"{name}.gdshaderinc", addon / "lookups" / f"{name}.gdshaderinc")
+    for lookup in SHADERS.glob("*.gdshaderinc"):
+        shutil.copyfile(lookup, addon / "lookups" / lookup.name)
     return addon
 
 

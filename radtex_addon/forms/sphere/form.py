@@ -20,12 +20,11 @@ from ...bake.forms import SPHERE, FormTraits
 from ...bake.plan import CapturePlan
 from ...bake.progress import Progress, Stage
 from ...bake.spec import BakeSpec, View
-from ...bake.transfer_buckets import fit_buckets, view_shift, views_along
+from ...bake.transfer_buckets import fit_buckets, mean_over_lights, view_shift, views_along
 from ...core.arrays import Floats
 from ...core.atlas import AtlasLayout
 from ...core.errors import InputError
 from ...core.messages import Setting, leave_out
-from ...core.sampler import mean_over_lights, with_views
 from ...core.surface import SurfaceMesh
 from ...core.texel_map import covered_texels
 from ...cycles.denoiser import image_denoiser
@@ -39,11 +38,10 @@ from ...formats.transfer_files import (
     open_transfer,
     read_transfer,
     read_transfer_sidecar,
+    with_views,
     write_transfer,
 )
-from ...preview.lit_material import preview_transfer_material
 from ...preview.node_group import check_previewable
-from ...preview.osl import add_transfer_osl_node
 from ...scene.camera_place import find_camera_place
 from ...scene.scratch import scene_copied
 from ...textures.entry import TextureEntry
@@ -56,6 +54,7 @@ from ..form import Form, PreviewOf
 from ..hlsl_lookup import HlslLookup
 from ..outcome import Outcome
 from .hlsl import sphere_lookup
+from .preview import add_transfer_osl_node, transfer_material
 
 _PIXEL = 48  # bytes per pixel in an export, which reads the whole image
 
@@ -153,9 +152,7 @@ class Sphere(Buckets):
 
     def material(self, of: PreviewOf) -> bpy.types.Material:
         facts, atlas = read_transfer_sidecar(of.sidecar), of.sidecar.with_suffix(".exr")
-        return preview_transfer_material(
-            of.title, atlas, facts.layout, of.uv_layer, of.scene, of.spec.half, facts.views
-        )
+        return transfer_material(of, atlas, facts.layout, facts.views)
 
     def script_node(self, tree: bpy.types.NodeTree, sidecar: SidecarFile) -> bpy.types.Node:
         facts, atlas = read_transfer_sidecar(sidecar), sidecar.path.with_suffix(".exr").absolute()

@@ -19,7 +19,6 @@ import bpy
 
 from ...core.errors import InputError
 from ...core.messages import Setting, do, leave_out
-from ..nodes import open_world
 from ..objects import is_rendered
 from .light import dark_world, may_glow, without_emission
 
@@ -28,12 +27,6 @@ GROUP = "RadTexLamps"
 WORLD = "world"  # all light that is of no lamp: the world's, and that of materials
 ALL, EACH = "all", "each"  # words for the command line, besides names
 _WORDS = (WORLD, ALL, EACH)
-
-
-def take_light_away(scene: bpy.types.Scene) -> None:
-    """Remove lamps from a scratch scene, as `take_lamps_away` does, and make its world black."""
-    scene.world, _ = open_world("RadTex black")
-    take_lamps_away(scene)
 
 
 def take_lamps_away(scene: bpy.types.Scene) -> None:

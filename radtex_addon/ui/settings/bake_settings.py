@@ -64,7 +64,7 @@ def _keep_bucket(settings: BakeSettings, _: bpy.types.Context) -> None:
 def _sort_of_cells(settings: BakeSettings) -> str:
     """Key of the remembered bucket size; for `ao`, which has no buckets, that is its grid of rays."""
     kind = Kind(settings.kind).traits
-    if kind.views or kind.ao_distance:
+    if not kind.cells or suited_bucket(settings.kind, "buckets") != Layout.BUCKETS.cells:
         return str(settings.kind)
     if kind.form is None and settings.atlas_layout in tuple(Layout):
         return form_in(Layout(settings.atlas_layout)).name

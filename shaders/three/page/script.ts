@@ -32,7 +32,7 @@ export interface Script {
   setExposure: (stops: number) => void;
   /** Where the flat lightmap begins, in shares of the width; null for light alone. */
   setDivider: (share: number | null) => void;
-  /** The sun that lights bakes of the kinds shadow and transfer. */
+  /** The sun that lights bakes of some kinds. */
   sun: () => Sun;
   /** Change some of its settings. */
   setSun: (change: Partial<Sun>) => void;

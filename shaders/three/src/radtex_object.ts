@@ -113,7 +113,7 @@ export class RadTexObject extends Group implements Bake {
     this.show();
   }
 
-  /** The sun that lights bakes of the kinds shadow and transfer, in the scene's world. */
+  /** The sun that lights bakes of some kinds, in the scene's world. */
   get sunlight(): Readonly<Sun> {
     return this.shining;
   }

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 RadTex authors
 // SPDX-License-Identifier: MIT
-// The sun that lights bakes of the kinds shadow and transfer.
+// The sun that lights bakes of some kinds.
 
 import { Color } from "three";
 
