@@ -29,7 +29,7 @@ pytest_plugins = ["tests.costs"]
 
 # Folders of numbers and files alone. What numpy 1.26 and Python 3.11, which the oldest Blender brings, could
 # change of them runs with every Blender: the maths (tests/core), and these.
-_ONE_BLENDER = ("bake", "export", "formats", "fuzz", "layered", "report", "store")
+_ONE_BLENDER = ("bake", "export", "formats", "fuzz", "layered", "report", "settings", "store")
 _EVERY_BLENDER = ("test_atomic.py", "test_block_codecs.py", "test_lock.py", "test_rgb9e5.py")
 
 _EXIT_CODE = pytest.StashKey[int]()

@@ -6,10 +6,10 @@ from __future__ import annotations
 
 import inspect
 
-from radtex_addon.bake.options import CALLED
 from radtex_addon.cli.wording import option
 from radtex_addon.core import errors
 from radtex_addon.core.messages import Setting
+from radtex_addon.settings.options import CALLED
 from radtex_addon.ui.panel.labels import LABELS
 
 from .markdown import code, escaped, table

@@ -8,8 +8,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from radtex_addon.bake.option import Fold
-from radtex_addon.bake.options import shown_in
+from radtex_addon.settings.option import Fold
+from radtex_addon.settings.options import shown_in
 from radtex_addon.ui.settings import presets as stock
 from radtex_addon.ui.settings.bake_settings import NAMES, RADTEX_PG_settings
 from radtex_addon.ui.settings.chosen_objects import RADTEX_PG_chosen

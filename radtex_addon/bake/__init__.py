@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A bake without Blender: its specification, its plan, and the session that fills the atlas."""
+"""A bake without Blender: its plan, its light by cells and samples, and the session that fills the atlas."""

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Turn the light under suns, which are fixed in the world, into buckets in each texel's own frame.
 
-Every texel was captured under the same suns, from the directions of a `bake.choices.View`. Its light is
+Every texel was captured under the same suns, from the directions of a `settings.choices.View`. Its light is
 interpolated between them once, in world space: by kriging from means over the suns' discs, which also removes
 the blur of the discs. Each bucket is then the octahedral map whose bilinear lookup comes nearest to this
 light in the texel's frame, by least squares. Blending between suns, and again between cells in the lookup,
@@ -30,11 +30,9 @@ from ..core.octahedron import (
     octahedron_taps,
 )
 from ..formats.transfer_files import with_views
-from .choices import View
 from .plan import CapturePlan
 from .progress import Progress, Stage
 
-_AROUND = 3  # views along a bucket's side
 _STRAIGHT = 0.51  # almost along the normal: the exact middle of a bucket has no azimuth
 _FINER = 2  # cells of the world's map, and fitted places, along the side of a bucket's cell
 _DISC = 37  # points that represent a sun's disc: with 7, energy varies by 2 % with the direction
@@ -58,11 +56,6 @@ class Eye:
         """Unit vectors (K, 3) float64 from points (K, 3) to the eye."""
         place = np.asarray(self.place, dtype=np.float64)
         return normalised(np.broadcast_to(place, points.shape) if self.far else place - points)
-
-
-def views_along(view: View) -> int:
-    """The number of views along a bucket's side; its square is captured."""
-    return _AROUND if view is View.AROUND else 1
 
 
 def view_shift(plan: CapturePlan, eye: Eye | None = None) -> Floats:

@@ -8,14 +8,14 @@ import argparse
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 
-from ..bake.cost import check_memory
-from ..bake.spec import BakeSpec, Layout
-from ..bake.targets import check_target
 from ..core.errors import InputError
 from ..core.messages import Setting, do
 from ..job import OpenLayout
 from ..job.bake_request import BakeRequest
 from ..scene.demo import OBJECT
+from ..settings.cost import check_memory
+from ..settings.spec import BakeSpec, Layout
+from ..settings.targets import check_target
 from ..store.ownership import own_folder
 from ..textures.export_spec import Target
 from .bake_arguments import add_bake_options

@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from ..bake.options import OPTIONS
+from ..settings.options import OPTIONS
 from ..textures.export_spec import Target
 from .bake_arguments import add_options
 from .options import (

@@ -9,9 +9,10 @@ from collections.abc import Callable, Iterable
 from functools import partial
 from typing import Any
 
-from ..bake.frame_numbers import parse_frames
-from ..bake.option import Option
-from ..bake.options import (
+from ..core.errors import InputError
+from ..settings.frame_numbers import parse_frames
+from ..settings.option import Option
+from ..settings.options import (
     COURSE,
     EXPORTS,
     FILES,
@@ -27,8 +28,7 @@ from ..bake.options import (
     SURFACE,
     VARIANTS_OF_LIGHT,
 )
-from ..bake.texel_density import parse_density
-from ..core.errors import InputError
+from ..settings.texel_density import parse_density
 from .options import (
     DEMO,
     Parser,

@@ -10,8 +10,8 @@ from itertools import groupby
 from pathlib import Path
 
 from ..bake.layers import Layer
-from ..bake.targets import MOST_PIXELS, TARGETS
 from ..core.errors import InputError
+from ..settings.targets import MOST_PIXELS, TARGETS
 from ..textures.export_spec import Arrangement, ExportSpec, Target, TextureFormat
 from .options import (
     EXPORT,

@@ -7,9 +7,9 @@ from __future__ import annotations
 import csv
 from dataclasses import replace
 
-from ..bake.spec import BakeSpec
 from ..core.errors import InputError
 from ..scene.lights.lamps import ALL, EACH
+from ..settings.spec import BakeSpec
 
 
 def parse_lights(words: str) -> tuple[str, ...]:

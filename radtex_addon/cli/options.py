@@ -12,12 +12,12 @@ from math import isfinite, nan
 from pathlib import Path
 from typing import Any, NoReturn
 
-from ..bake.options import MOST_MEMORY, BakeOptions
 from ..core.errors import BakeError, InputError, QualityError
 from ..core.messages import do
 from ..core.quoting import quoted
 from ..cycles.device import GPU_TYPES
 from ..formats.disk.path_checks import check_unicode, one_root
+from ..settings.options import MOST_MEMORY, BakeOptions
 from ..version import VERSION
 
 DEMO = "demo"

@@ -6,11 +6,11 @@ from __future__ import annotations
 
 from functools import partial
 
-from ..bake.targets import check_target
 from ..core.errors import InputError
 from ..farm.assemble_farm import assemble_steps
 from ..farm.farm_files import FarmFiles
 from ..farm.farm_manifest import read_manifest
+from ..settings.targets import check_target
 from ..store.bake_folder import BakeFolder
 from .assemble_arguments import AssembleRequest
 from .interruption import Interruption

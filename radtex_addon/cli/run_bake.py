@@ -14,8 +14,6 @@ from pathlib import Path
 
 import bpy
 
-from ..bake.spec import BakeSpec
-from ..bake.texel_density import told_density
 from ..bake.thumbnail import Thumbnail
 from ..core.errors import Cancelled, InputError, RadTexError
 from ..core.messages import Message, Setting, do
@@ -29,6 +27,8 @@ from ..job import BakeResult
 from ..job.bake_plan import check_plan, plan_bakes, steps_of_bakes
 from ..job.variants import title_of
 from ..preview.save import render_picture
+from ..settings.spec import BakeSpec
+from ..settings.texel_density import told_density
 from ..store.bake_folder import State
 from ..textures.export_spec import Target
 from .arguments import Request

@@ -10,13 +10,13 @@ from functools import partial
 from pathlib import Path
 from time import monotonic
 
-from ..bake.spec import Kind
 from ..core.errors import Cancelled, InputError, RadTexError
 from ..export.exporting import Exported, ExportSource, check_folders_differ, export_steps
 from ..export.exporting_scene import export_scene_steps
 from ..formats.disk.memory import readable_size
 from ..formats.sidecar_file import SidecarFile
 from ..report.finished_bake import find_bakes, find_bakes_of_all, object_of
+from ..settings.spec import Kind
 from ..textures.export_spec import ExportSpec, Step, Target
 from ..worker.orders import EXPORTING, exported_part
 from .export_arguments import ExportRequest

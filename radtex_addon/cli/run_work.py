@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from ..bake.layers import Layer
-from ..bake.spec import spec_in
 from ..core.errors import FormatError, InputError
 from ..core.sampler import Filter
 from ..formats.json_reader import Facts
@@ -18,6 +17,7 @@ from ..formats.sidecar_file import read_text
 from ..job.bake_request import BakeRequest
 from ..report.side_by_side import ComparisonSpec
 from ..report.viewpoint import Eye
+from ..settings.spec import spec_in
 from ..textures.export_spec import Arrangement, ExportSpec, Target, TextureFormat
 from ..worker.order import Work
 from .arguments import Request

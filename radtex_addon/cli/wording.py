@@ -6,8 +6,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..bake.options import CALLED
 from ..core.messages import Message, Remedy, Setting, joined
+from ..settings.options import CALLED
 
 _UNLIKE: dict[str, str] = {  # options that are not called as their settings
     Setting.SCRIPTS: "blender -b --enable-autoexec FILE -P bake.py -- ...",

@@ -17,7 +17,7 @@ from .quoting import printable
 
 
 class Setting(StrEnum):
-    """Settings that code names. The value is the default name in messages; others stand in `bake.options`."""
+    """Settings that code names. The value is the default name in messages; see `settings.options`."""
 
     ACCUMULATE = "accumulating"
     AO_DISTANCE = "distance of ambient occlusion"

@@ -20,16 +20,16 @@ import numpy.typing as npt
 from mathutils import Matrix
 
 from ..bake.hidden_cells import HiddenCells
-from ..bake.kinds import Kind
 from ..bake.piece_store import NO_STORE, PieceStore, PrefixedStore
 from ..bake.plan import CapturePlan, Tile, plan_of_some
 from ..bake.progress import Progress, Stage
-from ..bake.rays import PROBES
 from ..core.arrays import Floats, Ints
 from ..scene.mesh.backs import TWIN
 from ..scene.mesh.copy import NORMAL, SIGN, TANGENT
 from ..scene.nodes import open_material, open_world
 from ..scene.scratch import remove_scene
+from ..settings.kinds import Kind
+from ..settings.rays import PROBES
 from .portal import PortalCapture
 
 _TILE_PIXELS = 1 << 20

@@ -10,10 +10,10 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ..bake.kinds import Kind
 from ..bake.layers import Layer, captured
 from ..bake.plan import CapturePlan, Tile
 from ..core.arrays import Floats
+from ..settings.kinds import Kind
 from .capture_settings import keep_passes
 from .passes import attributes_of, light_of
 from .portal import PortalCapture

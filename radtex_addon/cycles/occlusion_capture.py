@@ -19,14 +19,14 @@ from typing import Any, cast
 import bpy
 import numpy as np
 
-from ..bake.kinds import Kind
 from ..bake.light_samples import spread_shifts
 from ..bake.plan import MAX_IMAGE_SIDE, CapturePlan, Tile
-from ..bake.rays import CLEAR_SAMPLES
 from ..core.arrays import Bools, Floats
 from ..core.atlas import AtlasLayout
 from ..core.hemisphere import square_to_cosine
 from ..scene.lights.casters import may_be_clear, shadow_casters_visible, show_all_collections
+from ..settings.kinds import Kind
+from ..settings.rays import CLEAR_SAMPLES
 from .capture_settings import first_hit_only
 from .portal import Aim, PortalCapture
 

@@ -19,7 +19,6 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from ..bake.kinds import Kind, Rays
 from ..bake.plan import MIN_IMAGE_SIDE, CapturePlan, Tile
 from ..core.arrays import Floats, Ints
 from ..core.errors import InputError
@@ -27,6 +26,7 @@ from ..core.hemisphere import square_to_disc
 from ..core.messages import Setting, do
 from ..formats.disk.path_checks import render_path
 from ..scene.nodes import open_material
+from ..settings.kinds import Kind, Rays
 from .building_blocks import box, mirror, render_image
 from .capture_settings import allow_more_bounces, apply_capture_settings
 

@@ -19,7 +19,6 @@ import bpy
 import numpy as np
 
 from ..bake.computed_rows import computed
-from ..bake.kinds import Kind, Light, Rays
 from ..bake.plan import MIN_IMAGE_SIDE, CapturePlan, Tile, sheet_seed
 from ..core.arrays import Floats
 from ..core.errors import BakeError
@@ -27,6 +26,7 @@ from ..core.hemisphere import cell_centres
 from ..core.surface import GRAZING, ray_offset
 from ..formats.disk.path_checks import render_path
 from ..scene.nodes import NodeBuilder, Socket, open_material
+from ..settings.kinds import Kind, Light, Rays
 from .building_blocks import (
     Extent,
     above_everything,

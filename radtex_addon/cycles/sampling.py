@@ -15,7 +15,6 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ..bake.kinds import Kind
 from ..bake.light_samples import (
     EndSamples,
     LightSamples,
@@ -27,6 +26,7 @@ from ..bake.plan import CapturePlan, Tile
 from ..bake.progress import Progress, Stage
 from ..bake.thumbnail import Thumbnail
 from ..core.arrays import Bools, Floats
+from ..settings.kinds import Kind
 from .passes import Passes, attributes_of, colour_of, light_of, raw_light_of
 from .path_ends import TURNS, PathEnds, any_dark, from_directions
 from .portal import Aim, PortalCapture

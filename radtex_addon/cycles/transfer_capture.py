@@ -18,7 +18,6 @@ import bpy
 import numpy as np
 from mathutils import Vector
 
-from ..bake.kinds import Kind
 from ..bake.piece_store import NO_STORE, Arrays, PieceStore
 from ..bake.plan import CapturePlan, Tile
 from ..bake.progress import Progress, Stage
@@ -28,6 +27,7 @@ from ..core.arrays import Floats
 from ..core.errors import BakeError
 from ..scene.lights.lamps import take_lamps_away
 from ..scene.nodes import open_world
+from ..settings.kinds import Kind
 from .portal import Aim, PortalCapture
 
 _GROUP = "RadTexSun"

@@ -12,7 +12,6 @@ from pathlib import Path
 
 import bpy
 
-from ..bake.targets import check_target
 from ..core.errors import FormatError, InputError
 from ..core.messages import Setting, do
 from ..core.quoting import printable
@@ -23,6 +22,7 @@ from ..formats.sidecar_file import AnySidecar, SidecarFile, opened
 from ..forms import Form, form_in
 from ..scene.mesh.backs import twin_numbers
 from ..scene.preview_file import baked_copy, check_preview, surface_of
+from ..settings.targets import check_target
 from ..textures.choice import check_importable, pixel_bytes
 from ..textures.entry import TextureEntry
 from ..textures.export_spec import ExportSpec, Step, Target, Task, TextureFormat

@@ -21,13 +21,13 @@ import addon_utils
 import bpy
 import numpy as np
 
-from ..bake.kinds import Kind
 from ..core.arrays import Floats
 from ..core.errors import BakeError, InputError
 from ..core.frame import normalised
 from ..formats.containers.glb import Glb
 from ..formats.disk.temporary import temporary_folder
 from ..scene.mesh.copy import MATERIAL, NORMAL, SIGN, TANGENT, material_numbers
+from ..settings.kinds import Kind
 from .export_manifest import Manifest
 
 EXTENSION = "RADTEX_radiance_texture"

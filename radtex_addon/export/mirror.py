@@ -16,7 +16,6 @@ from typing import Any
 
 import numpy as np
 
-from ..bake.kinds import KINDS, Kind
 from ..core.arrangements import Pages
 from ..core.arrays import Floats
 from ..core.errors import FormatError, InputError
@@ -24,6 +23,7 @@ from ..core.ray_tree import IN_LEAF, RayTree, build_tree
 from ..core.surface import SurfaceMesh
 from ..formats.containers.texture import PixelFormat, Texture
 from ..formats.json_reader import Facts
+from ..settings.kinds import KINDS, Kind
 from ..textures.entry import Arranged, Container, TextureEntry
 from ..textures.export_spec import ExportSpec
 from ..textures.texture_files import entry_of, write_encoded

@@ -13,7 +13,6 @@ import bpy
 import numpy as np
 
 from ..bake.progress import Stage, Stopwatch
-from ..bake.spec import BakeSpec
 from ..core.errors import FormatError, InputError
 from ..formats.containers.numpy_files import read_npz
 from ..formats.disk.atomic import check_writable
@@ -24,6 +23,7 @@ from ..job.baking import BakeResult
 from ..job.previews import save_preview_of
 from ..prepare.prepared import Piece
 from ..scene.mesh.copy import MATRIX
+from ..settings.spec import BakeSpec
 from ..store.bake_folder import BakeFolder, State
 from ..store.output_files import BakeOutput, OutputFiles
 from ..store.ownership import Overwrite

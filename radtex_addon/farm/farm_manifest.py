@@ -10,10 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ..bake.hidden_cells import HiddenCells
-from ..bake.kinds import KINDS
-from ..bake.options import OPTIONS
 from ..bake.plan import CapturePlan
-from ..bake.spec import BakeSpec, CaptureMethod, Layout, as_json, facts_of, impossible, spec_in
 from ..core.atlas import AtlasLayout
 from ..core.errors import FormatError, InputError
 from ..core.messages import Setting, do, leave_out
@@ -24,6 +21,9 @@ from ..formats.disk.regular import digest
 from ..formats.json_reader import Facts, json_text
 from ..formats.sidecar import Sidecar
 from ..formats.sidecar_file import read_text
+from ..settings.kinds import KINDS
+from ..settings.options import OPTIONS
+from ..settings.spec import BakeSpec, CaptureMethod, Layout, as_json, facts_of, impossible, spec_in
 from ..store import checkpoint_files
 from .farm_files import FarmFiles
 from .self_contained import Carried

@@ -17,7 +17,6 @@ import numpy as np
 
 from ..bake.plan import CapturePlan
 from ..bake.progress import Progress, Stopwatch
-from ..bake.spec import BakeSpec
 from ..core.errors import BakeError, InputError
 from ..core.messages import Setting, do
 from ..core.sampler import Filter
@@ -32,6 +31,7 @@ from ..job.checks import check_request
 from ..job.split_parts import check_part
 from ..scene.digests import Looks
 from ..scene.scratch import at_frame, new_data_removed
+from ..settings.spec import BakeSpec
 from ..store.output_files import OutputFiles
 from ..store.ownership import Overwrite
 from .blend import check_images_saved, check_seed, finish_blend, save_draft

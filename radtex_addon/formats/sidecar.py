@@ -91,7 +91,7 @@ class Sidecar:
     many `islands`, which cover a share of the atlas, the `coverage`; both are None if unknown. The
     `texel_density` is given if the atlas's size follows from a density. `wasteful` says why the map wastes
     its atlas, to go on after "the map …", and is empty if it does not. The `fingerprint` tells what was
-    baked, None if unknown. `marks`: keys that are there, and true, such as "alone" (`bake.option.Mark`).
+    baked, None if unknown. `marks`: keys that are there, and true, such as "alone" (`settings.option.Mark`).
     `blend` is the name of the .blend that was baked, without its folder, empty if it was never saved.
     """
 

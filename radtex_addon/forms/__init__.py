@@ -3,7 +3,7 @@
 """Forms: the ways to store a bake, each in a folder of its own; and which form a bake has.
 
 A form's folder has everything that depends on how a bake is stored: its files, capture, material, flat
-lightmap, textures and shaders. The folder has the name of the form's row in `bake.forms.FORMS`, and its
+lightmap, textures and shaders. The folder has the name of the form's row in `settings.forms.FORMS`, and its
 module `form` defines the form as FORM: see docs/extending.md.
 """
 
@@ -11,11 +11,11 @@ from __future__ import annotations
 
 from importlib import import_module
 
-from ..bake.cost import Cost
-from ..bake.forms import FORMS as _ROWS
-from ..bake.spec import BakeSpec
 from ..core.errors import FormatError
 from ..formats.json_reader import Facts, shown
+from ..settings.cost import Cost
+from ..settings.forms import FORMS as _ROWS
+from ..settings.spec import BakeSpec
 from .form import Form
 
 __all__ = ["FORMS", "Form", "cost_of", "form_for", "form_in"]

@@ -10,9 +10,9 @@ from pathlib import Path
 import bpy
 
 from ..bake.piece_store import NO_STORE, PieceStore
-from ..bake.spec import BakeSpec
 from ..bake.thumbnail import Thumbnail
 from ..prepare.prepared import Prepared
+from ..settings.spec import BakeSpec
 
 
 @dataclass(frozen=True, eq=False)

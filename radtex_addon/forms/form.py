@@ -11,10 +11,7 @@ from typing import Any, Protocol, TypeAlias
 
 import bpy
 
-from ..bake.cost import Cost
-from ..bake.forms import FormTraits
 from ..bake.progress import Progress
-from ..bake.spec import BakeSpec, Compression
 from ..core.arrays import Floats
 from ..core.fragments import Fragments
 from ..core.sampler import Filter
@@ -23,6 +20,9 @@ from ..formats.image_files import Shapes
 from ..formats.json_reader import Facts
 from ..formats.sidecar import Sidecar
 from ..formats.sidecar_file import SidecarFile
+from ..settings.cost import Cost
+from ..settings.forms import FormTraits
+from ..settings.spec import BakeSpec, Compression
 from ..textures.entry import TextureEntry
 from ..textures.export_spec import ExportSpec, Step, Target
 from .bake_job import BakeJob
@@ -70,7 +70,7 @@ class Form(Protocol):
 
     @property
     def traits(self) -> FormTraits:
-        """The form's row in `bake.forms`."""
+        """The form's row in `settings.forms`."""
         ...
 
     # For a bake that is to be made

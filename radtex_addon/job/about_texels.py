@@ -8,12 +8,12 @@ from dataclasses import replace
 
 import bpy
 
-from ..bake.spec import BakeSpec
-from ..bake.texel_density import about_side, capped_warning, side_for
 from ..core.messages import Message
 from ..scene.mesh.about_area import AboutArea, about_area
 from ..scene.scratch import find_view_layer
 from ..scene.units import metres_per_unit
+from ..settings.spec import BakeSpec
+from ..settings.texel_density import about_side, capped_warning, side_for
 
 
 def with_about_texels(scene: bpy.types.Scene, name: str, spec: BakeSpec) -> BakeSpec:

@@ -6,13 +6,13 @@ from __future__ import annotations
 
 import bpy
 
-from ..bake.spec import BakeSpec
 from ..core.errors import FormatError
 from ..formats.fingerprint import Fingerprint, fingerprint_in
 from ..formats.sidecar_file import read_facts
 from ..preview.swap import previews_not_rendered
 from ..scene.digests import SceneDigests, read_scene
 from ..scene.scratch import find_view_layer, scratch_scene
+from ..settings.spec import BakeSpec
 from ..store.output_files import OutputFiles
 
 

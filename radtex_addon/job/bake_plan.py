@@ -14,11 +14,11 @@ from typing import NamedTuple
 
 import bpy
 
-from ..bake.spec import BakeSpec
 from ..bake.thumbnail import Thumbnail
 from ..core.errors import InputError
 from ..core.messages import Message
 from ..prepare.unwrapping import Unwraps
+from ..settings.spec import BakeSpec
 from ..store.bake_folder import State
 from ..store.ownership import Overwrite
 from .bake_request import BakeRequest

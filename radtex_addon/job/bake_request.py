@@ -9,12 +9,12 @@ from pathlib import Path
 
 import bpy
 
-from ..bake.frame_numbers import of_frames
-from ..bake.spec import BakeSpec
 from ..core.errors import InputError
 from ..core.sampler import Filter
 from ..scene.lights.lamps import ALL, EACH, each_light
 from ..scene.scratch import find_view_layer
+from ..settings.frame_numbers import of_frames
+from ..settings.spec import BakeSpec
 from ..store.bake_folder import BakeFolder, State
 from ..store.ownership import Overwrite, open_blend
 from ..textures.export_spec import Target

@@ -13,10 +13,8 @@ from typing import TypeAlias
 
 import bpy
 
-from ..bake.cost import check_memory
 from ..bake.piece_store import NO_STORE, PieceStore
 from ..bake.progress import Progress, Stage, Stopwatch, finished
-from ..bake.spec import BakeSpec, View
 from ..bake.thumbnail import Thumbnail
 from ..core.blas import one_blas_thread
 from ..core.errors import InputError
@@ -42,6 +40,8 @@ from ..scene.objects import find_object
 from ..scene.proxy_content import EVERYTHING, show_content_only
 from ..scene.regroup import leave_alone
 from ..scene.scratch import at_frame, find_view_layer, new_data_removed, scratch_scene
+from ..settings.cost import check_memory
+from ..settings.spec import BakeSpec, View
 from ..store.bake_folder import BakeFolder
 from ..store.output_files import BakeOutput, OutputFiles
 from ..store.ownership import Overwrite, open_blend

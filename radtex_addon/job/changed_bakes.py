@@ -10,13 +10,13 @@ from pathlib import Path
 
 import bpy
 
-from ..bake.spec import BakeSpec
 from ..core.errors import FormatError
 from ..formats.fingerprint import VERSION, fingerprint_in
 from ..formats.json_reader import Facts
 from ..formats.sidecar_file import read_facts
 from ..scene.digests import SceneDigests
 from ..scene.scratch import find_view_layer
+from ..settings.spec import BakeSpec
 from ..store.bake_folder import BakeFolder, State
 from .bake_fingerprint import read_now
 

@@ -9,8 +9,6 @@ from pathlib import Path
 
 import bpy
 
-from ..bake.cost import check_memory
-from ..bake.spec import BakeSpec, CaptureMethod, View
 from ..core.errors import InputError
 from ..core.messages import Message, Setting, do
 from ..cycles.device import check_device
@@ -33,6 +31,8 @@ from ..scene.objects import find_object
 from ..scene.proxy_content import find_content
 from ..scene.scratch import find_view_layer
 from ..scene.uv.unwrap import check_unwrapper
+from ..settings.cost import check_memory
+from ..settings.spec import BakeSpec, CaptureMethod, View
 from ..store.bake_folder import BakeFolder
 from ..store.ownership import Overwrite
 from ..textures.export_spec import Target

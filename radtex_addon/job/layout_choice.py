@@ -14,15 +14,15 @@ from typing import cast
 
 import bpy
 
-from ..bake.cost import check_memory
-from ..bake.forms import FormTraits
-from ..bake.kinds import Layout
-from ..bake.spec import BakeSpec
 from ..core.errors import InputError, MemoryLimitError
 from ..core.messages import Setting, do
 from ..formats.disk.memory import readable_size
 from ..forms.layered.files.sidecar import MOST_MATERIALS
 from ..scene.checks.see_through import why_no_surface
+from ..settings.cost import check_memory
+from ..settings.forms import FormTraits
+from ..settings.kinds import Layout
+from ..settings.spec import BakeSpec
 from ..store.bake_folder import BakeFolder, State
 from .variants import Bake
 

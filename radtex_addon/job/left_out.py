@@ -15,7 +15,6 @@ from typing import NamedTuple
 
 import bpy
 
-from ..bake.spec import BakeSpec
 from ..core.errors import InputError
 from ..core.messages import Message
 from ..preview.linked import check_replaceable
@@ -26,6 +25,7 @@ from ..scene.mesh.source_hits import find_source
 from ..scene.objects import find_object
 from ..scene.proxy_content import find_content
 from ..scene.scratch import find_view_layer, scratch_scene
+from ..settings.spec import BakeSpec
 
 _NAMED = 8  # most names in a line
 

@@ -12,10 +12,10 @@ from time import monotonic
 
 import bpy
 
-from ..bake.spec import BakeSpec
 from ..core.errors import InputError
 from ..core.messages import Message, Setting, do, leave_out
 from ..forms import form_for
+from ..settings.spec import BakeSpec
 from ..store.ownership import Overwrite
 from ..textures.export_spec import Target
 from .checks import check_request

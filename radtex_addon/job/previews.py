@@ -11,7 +11,6 @@ from typing import Protocol
 import bpy
 import numpy as np
 
-from ..bake.spec import BakeSpec
 from ..core.arrays import Ints
 from ..core.errors import FormatError
 from ..core.near_digest import is_same
@@ -30,6 +29,7 @@ from ..scene.mesh.copy import copy_object
 from ..scene.mesh.watertight import is_closed
 from ..scene.proxy_content import EVERYTHING, find_content
 from ..scene.scratch import find_view_layer
+from ..settings.spec import BakeSpec
 from ..store.output_files import OutputFiles
 
 

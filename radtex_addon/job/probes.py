@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Measure a small part of a bake in some seconds, to estimate how long all of it takes (`bake.estimate`).
+"""Measure a small part of a bake in some seconds, to estimate how long all of it takes (`settings.estimate`).
 
 The object is evaluated and unwrapped as in the bake. Then a small atlas on the same UV map is baked, as far
 as its files, with as many paths for each texel as the bake has. Nothing is written.
@@ -16,16 +16,16 @@ from typing import Any, cast
 
 import bpy
 
-from ..bake.estimate import BakeWork, Measurement
 from ..bake.piece_store import MemoryStore
 from ..bake.progress import Progress, Stage, Stopwatch, finished
-from ..bake.spec import BakeSpec, Unwrap
 from ..formats.disk.temporary import temporary_folder
 from ..forms import form_for
 from ..forms.bake_job import BakeJob
 from ..forms.outcome import Outcome
 from ..prepare.prepared import Prepared
 from ..scene.scratch import at_frame, new_data_removed
+from ..settings.estimate import BakeWork, Measurement
+from ..settings.spec import BakeSpec, Unwrap
 from ..store.output_files import OutputFiles
 from .baking import bake_unchecked
 from .split_parts import check_part
@@ -54,7 +54,7 @@ class Probe:
     part: dict[str, float]
 
     def measurements(self, place: str, name: str, spec: BakeSpec) -> tuple[Measurement, ...]:
-        """Both measurements, for `bake.estimate.estimate`."""
+        """Both measurements, for `settings.estimate.estimate`."""
         work = self.work(spec, preview=False)
         return (
             Measurement(place, name, work, self.whole, finished=False),

@@ -9,8 +9,6 @@ from dataclasses import replace
 
 import bpy
 
-from ..bake.parts import FIRST_TILE
-from ..bake.spec import BakeSpec, Split
 from ..core.arrays import Bools
 from ..core.errors import InputError
 from ..prepare.unwrapping import split_surfaces
@@ -19,6 +17,8 @@ from ..scene.mesh.mesh_parts import NO_MATERIAL
 from ..scene.mesh.named_regions import chosen_triangles
 from ..scene.objects import find_object
 from ..scene.scratch import at_frame, scratch_scene
+from ..settings.parts import FIRST_TILE
+from ..settings.spec import BakeSpec, Split
 
 
 def part_specs(

@@ -14,12 +14,12 @@ from pathlib import Path
 from typing import TypeAlias
 
 from ..bake.bake_title import bake_title, variant_title
-from ..bake.spec import BakeSpec
 from ..core.errors import FormatError, InputError
 from ..core.messages import Setting, do
 from ..formats.disk.path_checks import nearest_folder
 from ..formats.sidecar import file_name, part_in
 from ..formats.sidecar_file import read_facts
+from ..settings.spec import BakeSpec
 from ..store.bake_folder import BakeFolder, State
 from ..textures.export_spec import Target
 

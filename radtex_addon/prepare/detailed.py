@@ -12,7 +12,6 @@ import bpy
 
 from ..bake.piece_store import NO_STORE, PieceStore
 from ..bake.progress import Progress
-from ..bake.spec import BakeSpec
 from ..core.arrays import Floats, Ints
 from ..core.surface import SurfaceMesh
 from ..core.texel_map import TexelMap
@@ -21,6 +20,7 @@ from ..scene.mesh.cage import find_cage, rays_from_cage, read_cage
 from ..scene.mesh.evaluated import EvaluatedMesh, evaluate
 from ..scene.mesh.materials import mixed_materials, rendered_source, source_materials
 from ..scene.mesh.source_hits import SourceHits, default_extrusion, find_source, project_to_source
+from ..settings.spec import BakeSpec
 
 log = logging.getLogger(__name__)
 

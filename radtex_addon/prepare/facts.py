@@ -6,9 +6,9 @@ from __future__ import annotations
 
 import bpy
 
-from ..bake.spec import BakeSpec
 from ..formats.fingerprint import Fingerprint
 from ..formats.sidecar import Part, Sidecar, Source, TexelDensity
+from ..settings.spec import BakeSpec
 from ..version import VERSION
 
 

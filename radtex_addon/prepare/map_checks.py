@@ -4,10 +4,10 @@
 
 from __future__ import annotations
 
-from ..bake.spec import BakeSpec, Unwrap
 from ..core.messages import Message, Remedy, Setting, do, leave_out
 from ..core.uv_map import UvMap
 from ..scene.mesh.copy import UV_LAYER
+from ..settings.spec import BakeSpec, Unwrap
 from .unwrapping import COUNTED
 
 _DRAFT = 64  # texels along the longer side: in fewer, gutters and seams take most of any map

@@ -20,9 +20,6 @@ from ..bake.hidden_cells import HiddenCells
 from ..bake.piece_store import NO_STORE, PieceStore
 from ..bake.plan import CapturePlan, plan_capture
 from ..bake.progress import Progress, Stage, Steps, finished
-from ..bake.rays import PROBE_CELLS, side_in
-from ..bake.spec import BakeSpec
-from ..bake.texel_density import capped_warning
 from ..core.arrays import Bools, Floats, Ints
 from ..core.inset import inset
 from ..core.islands import areas_on_surface
@@ -44,6 +41,9 @@ from ..scene.mesh.mesh_parts import number_parts
 from ..scene.mesh.named_regions import chosen_triangles
 from ..scene.mesh.source_hits import SourceHits
 from ..scene.units import metres_per_unit
+from ..settings.rays import PROBE_CELLS, side_in
+from ..settings.spec import BakeSpec
+from ..settings.texel_density import capped_warning
 from .detailed import Detailed, read_detailed
 from .faces import (
     all_once,

@@ -12,11 +12,8 @@ from typing import TypeAlias
 import bpy
 import numpy as np
 
-from ..bake.parts import Split
 from ..bake.piece_store import Arrays, PieceStore
 from ..bake.progress import Progress
-from ..bake.spec import BakeSpec, Unwrap
-from ..bake.texel_density import side_for
 from ..core.arrays import Bools, Floats
 from ..core.errors import InputError
 from ..core.islands import signed_areas, surface_areas, uv_islands, weld
@@ -31,6 +28,9 @@ from ..scene.scratch import at_frame
 from ..scene.uv.unwrap import unwrap_steps
 from ..scene.uv.unwrap_options import UnwrapOptions
 from ..scene.uv.uv_layer import check_apart, user_uv, why_unfit
+from ..settings.parts import Split
+from ..settings.spec import BakeSpec, Unwrap
+from ..settings.texel_density import side_for
 
 log = logging.getLogger(__name__)
 

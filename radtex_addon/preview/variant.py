@@ -15,13 +15,13 @@ from typing import Any, cast
 
 import bpy
 
-from ..bake.forms import has_light_layers
-from ..bake.options import MARKED
 from ..core.errors import InputError
 from ..formats.bucket_files import image_path
 from ..formats.json_reader import Facts
 from ..formats.sidecar import Sidecar
 from ..formats.sidecar_file import AnySidecar, SidecarFile, read_facts
+from ..settings.forms import has_light_layers
+from ..settings.options import MARKED
 from .load import PREVIEW_TAG
 from .material import load_atlas
 from .save import images_of

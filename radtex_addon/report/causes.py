@@ -12,12 +12,12 @@ from enum import StrEnum
 import bpy
 
 from ..bake.progress import Stopwatch
-from ..bake.spec import BakeSpec
 from ..core.errors import InputError
 from ..formats.disk.temporary import temporary_folder
 from ..job import OutputFiles
 from ..job.baking import bake_unchecked
 from ..scene.scratch import new_data_removed
+from ..settings.spec import BakeSpec
 from .finished_bake import Finished, read_bake
 from .gbuffer import BakedSurface
 from .judging import judge, mean_flip, mean_psnr

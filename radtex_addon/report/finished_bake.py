@@ -12,10 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from ..bake.choices import parse_capture, parse_kind, parse_layout
-from ..bake.kinds import DEFAULT_KIND, Kind, is_default_kind
-from ..bake.options import MARKED
-from ..bake.spec import BakeSpec, Compression
 from ..core.arrays import Floats
 from ..core.errors import FormatError, InputError
 from ..core.messages import Setting, do, leave_out
@@ -24,6 +20,10 @@ from ..formats.sidecar_file import AnySidecar, SidecarFile, opened, read_facts
 from ..forms import Form, form_in
 from ..forms.form import Lookup
 from ..scene.mesh.copy import UV_LAYER
+from ..settings.choices import parse_capture, parse_kind, parse_layout
+from ..settings.kinds import DEFAULT_KIND, Kind, is_default_kind
+from ..settings.options import MARKED
+from ..settings.spec import BakeSpec, Compression
 from .gbuffer import Array, GBuffer
 
 _PER_LOOKUP = 1 << 18  # fragments that are looked up at once

@@ -18,8 +18,6 @@ import bpy
 import numpy as np
 
 from ..bake.piece_store import NO_STORE
-from ..bake.rays import step_to
-from ..bake.spec import Unwrap
 from ..core.arrays import Floats
 from ..core.errors import FormatError, InputError
 from ..core.gutter import LEAST_AGREEMENT, covered_in_coarser, gutter_agreement
@@ -36,6 +34,8 @@ from ..scene.scratch import new_data_removed
 from ..scene.uv.unwrap import unwrap_steps
 from ..scene.uv.unwrap_options import UnwrapOptions
 from ..scene.uv.uv_layer import user_uv
+from ..settings.rays import step_to
+from ..settings.spec import Unwrap
 from .finished_bake import Finished
 from .gbuffer import BakedSurface
 from .report_progress import Step, Task, steps_of

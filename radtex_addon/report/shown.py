@@ -9,13 +9,13 @@ from pathlib import Path
 
 import bpy
 
-from ..bake.kinds import KINDS, Kind
-from ..bake.options import MARKED
 from ..core.errors import InputError, RadTexError
 from ..formats.sidecar import file_name
 from ..formats.sidecar_file import AnySidecar, SidecarFile
 from ..preview.swap import copy_of, is_on
 from ..preview.variant import Variant, kept_variant, read_variant
+from ..settings.kinds import KINDS, Kind
+from ..settings.options import MARKED
 from ..store.ownership import is_of_blend
 from .finished_bake import find_bake, find_bakes
 

@@ -32,11 +32,11 @@ from typing import Any, TypeAlias, cast
 import bpy
 import numpy as np
 
-from ..bake.spec import BakeSpec, View, fingerprint_texts
 from ..core.arrays import Floats
 from ..core.errors import InputError
 from ..core.near_digest import NearDigest, joined
 from ..formats.fingerprint import Fingerprint
+from ..settings.spec import BakeSpec, View, fingerprint_texts
 from .block_digests import block_settings, digest_of, setting
 from .camera_place import place_of_camera
 from .geometry_digests import Geometry

@@ -33,11 +33,6 @@ from pathlib import Path
 
 import bpy
 
-from ..bake.forms import FormTraits
-from ..bake.kinds import Layout
-from ..bake.kinds import form_in as form_of_layout
-from ..bake.spec import BakeSpec, key_facts
-from ..bake.targets import check_target
 from ..core.errors import FormatError, InputError
 from ..core.messages import Setting, do, leave_out
 from ..core.near_digest import DIGEST
@@ -48,6 +43,11 @@ from ..formats.disk.regular import digest
 from ..formats.sidecar import part_in
 from ..formats.sidecar_file import read_facts
 from ..forms import form_for, form_in
+from ..settings.forms import FormTraits
+from ..settings.kinds import Layout
+from ..settings.kinds import form_in as form_of_layout
+from ..settings.spec import BakeSpec, key_facts
+from ..settings.targets import check_target
 from ..textures.export_spec import Target
 from ..version import VERSION
 from . import checkpoint as checkpoints

@@ -9,7 +9,6 @@ from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
-from ..bake.spec import BakeSpec, Layer
 from ..core.atlas import AtlasLayout
 from ..core.errors import BakeError, FormatError, InputError, ShapeError
 from ..core.messages import Setting, do
@@ -22,6 +21,7 @@ from ..formats.sidecar_file import read_facts
 from ..forms import form_for
 from ..forms.layered.files.arrangement import CHANNELS as LAYERED
 from ..forms.outcome import Outcome
+from ..settings.spec import BakeSpec, Layer
 from ..textures.export_spec import Target
 from .checkpoint_files import ANEW, is_unfinished
 

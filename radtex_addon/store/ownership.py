@@ -19,14 +19,14 @@ from typing import Any
 import bpy
 
 from ..bake.bake_title import bake_title, variant_title
-from ..bake.options import MARKED
-from ..bake.quality import Quality
-from ..bake.spec import BakeSpec
 from ..core.errors import FormatError, InputError
 from ..core.messages import Setting, do
 from ..formats.json_reader import Facts
 from ..formats.sidecar import blend_in, density_in, part_in, safe_name
 from ..formats.sidecar_file import read_facts
+from ..settings.options import MARKED
+from ..settings.quality import Quality
+from ..settings.spec import BakeSpec
 from .checkpoint_files import known_key
 from .output_files import OutputFiles, others_with_preview
 

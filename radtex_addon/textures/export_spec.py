@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from enum import StrEnum
 from math import inf
 
-from ..bake.choices import parse_layer
 from ..bake.layers import Layer
-from ..bake.targets import Target, TextureFormat
 from ..core.errors import InputError
 from ..core.messages import Setting, do, leave_out
+from ..settings.choices import parse_layer
+from ..settings.targets import Target, TextureFormat
 
 __all__ = ["Arrangement", "ExportSpec", "Step", "Target", "Task", "TextureFormat"]
 

@@ -9,12 +9,12 @@ from dataclasses import fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..bake.kinds import is_default_kind
 from ..bake.progress import Stage
-from ..bake.spec import BakeSpec, as_json, facts_of
 from ..core.sampler import Filter
 from ..job.variants import Bake, variant_of
 from ..report.report_progress import Task
+from ..settings.kinds import is_default_kind
+from ..settings.spec import BakeSpec, as_json, facts_of
 from ..textures.export_spec import ExportSpec, Target
 from ..textures.export_spec import Step as ExportStep
 from ..textures.export_spec import Task as ExportTask

@@ -20,9 +20,9 @@ from typing import Any
 
 import bpy
 
-from radtex_addon.bake.kinds import Kind
-from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.job import bake_object
+from radtex_addon.settings.kinds import Kind
+from radtex_addon.settings.spec import BakeSpec
 from tests.blender import stage
 
 BUCKET = 8

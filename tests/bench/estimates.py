@@ -25,12 +25,12 @@ if __name__ == "__main__":  # before Blender starts: no user's history
 import bpy
 
 from radtex_addon.bake import progress
-from radtex_addon.bake.estimate import START, estimate
 from radtex_addon.core.sampler import Filter
 from radtex_addon.job import bake_object
 from radtex_addon.job.bake_plan import plan_bakes
 from radtex_addon.job.probes import probe_object
 from radtex_addon.scene.demo import OBJECT, build_demo_scene
+from radtex_addon.settings.estimate import START, estimate
 from radtex_addon.ui.jobs import bake_times, estimates, jobs
 from radtex_addon.ui.panel.layouts import chosen_layouts
 from radtex_addon.ui.settings.request import request_of, spec_of, values_of

@@ -20,10 +20,10 @@ from time import perf_counter, process_time
 import bpy
 import numpy as np
 
-from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.blas import one_blas_thread
 from radtex_addon.forms.layered.fit.fitting import fit_layered
 from radtex_addon.forms.layered.samples import Capture
+from radtex_addon.settings.spec import BakeSpec, Layout
 
 from .fidelity.choice import names_of
 from .fidelity.layered.staged import capture_staged

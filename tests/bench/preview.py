@@ -25,13 +25,13 @@ import numpy as np
 from mathutils import Vector
 from PIL import Image
 
-from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.sampler import Filter
 from radtex_addon.formats.containers.exr import read_render
 from radtex_addon.job import BakeResult, bake_object
 from radtex_addon.report.gbuffer import eroded
 from radtex_addon.report.metrics import Mask, Picture, display, psnr
 from radtex_addon.scene.demo import OBJECT, add_camera, build_demo_scene
+from radtex_addon.settings.spec import BakeSpec, Layout
 
 VIEWS = ((0.0, -4.0, 0.6), (2.0, -3.2, 1.0), (-2.6, -2.6, 0.2))
 EEVEE = "BLENDER_EEVEE" if bpy.app.version >= (5, 0) else "BLENDER_EEVEE_NEXT"

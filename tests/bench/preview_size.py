@@ -23,10 +23,10 @@ from typing import Any, cast
 import bpy
 import numpy as np
 
-from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.sampler import Filter
 from radtex_addon.job import bake_object
 from radtex_addon.scene.nodes import open_material, open_world
+from radtex_addon.settings.spec import BakeSpec, Layout
 
 OBJECTS = 10
 SPEC = BakeSpec(layout=Layout.BUCKETS, texels=32, bucket=4, samples=1)

@@ -24,10 +24,10 @@ import numpy as np
 from PIL import Image
 from scipy.ndimage import map_coordinates
 
-from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.report.finished_bake import read_bake
 from radtex_addon.report.gbuffer import Array, GBuffer
 from radtex_addon.report.metrics import Mask, psnr
+from radtex_addon.settings.spec import BakeSpec, Layout
 from tests.bench.gallery.looking import (
     SUBJECT,
     Camera,

@@ -25,7 +25,6 @@ from mathutils import Vector
 
 from radtex_addon.bake.plan import CapturePlan, Tile, plan_capture
 from radtex_addon.bake.progress import finished
-from radtex_addon.bake.spec import BakeSpec, Kind, Unwrap
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.texel_map import rasterise
 from radtex_addon.cycles.capture_settings import apply_capture_settings
@@ -38,6 +37,7 @@ from radtex_addon.scene.mesh.evaluated import evaluate
 from radtex_addon.scene.objects import find_object
 from radtex_addon.scene.scratch import scratch_scene
 from radtex_addon.scene.uv.unwrap import unwrap_steps
+from radtex_addon.settings.spec import BakeSpec, Kind, Unwrap
 
 BUCKET, SAMPLES = 8, 16
 

@@ -15,11 +15,11 @@ from mathutils.bvhtree import BVHTree
 
 from radtex_addon.bake.plan import CapturePlan
 from radtex_addon.bake.progress import finished
-from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.arrays import Bools, Floats, Ints
 from radtex_addon.prepare.prepared import prepare
 from radtex_addon.scene.objects import find_object
 from radtex_addon.scene.scratch import scratch_scene
+from radtex_addon.settings.spec import BakeSpec
 
 
 def plan_of_bake(name: str, spec: BakeSpec) -> CapturePlan:

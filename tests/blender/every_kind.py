@@ -10,10 +10,10 @@ from typing import Any
 import bpy
 
 from radtex_addon.bake.layers import Layer
-from radtex_addon.bake.spec import BakeSpec, Kind, Layout, View
 from radtex_addon.core.sampler import Filter
 from radtex_addon.job import bake_object
 from radtex_addon.report.finished_bake import find_bake
+from radtex_addon.settings.spec import BakeSpec, Kind, Layout, View
 from radtex_addon.textures.export_spec import Arrangement, ExportSpec, Target
 from tests.blender import stage
 from tests.finished_bakes import finished_bake

@@ -13,10 +13,10 @@ import bpy
 import OpenEXR
 
 from radtex_addon.bake.progress import finished
-from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.sampler import Filter
 from radtex_addon.farm.assemble_farm import Assembled, assemble_steps
 from radtex_addon.farm.prepare_farm import Farm, prepare_steps
+from radtex_addon.settings.spec import BakeSpec
 from tests.blender import stage
 
 BOX = "Box"

@@ -10,9 +10,9 @@ from typing import Any
 
 import bpy
 
-from radtex_addon.bake.spec import BakeSpec, Layout, Split
 from radtex_addon.core.sampler import Filter
 from radtex_addon.job import bake_object, part_specs
+from radtex_addon.settings.spec import BakeSpec, Layout, Split
 from tests.blender import stage
 
 context: Any = bpy.context  # to the stubs, every pointer may be None

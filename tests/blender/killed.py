@@ -18,10 +18,10 @@ from typing import Any
 
 import bpy
 
-from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.cli.arguments import parse
 from radtex_addon.core.sampler import Filter
 from radtex_addon.formats.containers.exr import read_atlas
+from radtex_addon.settings.spec import BakeSpec
 from radtex_addon.store.checkpoint_files import KEY
 from radtex_addon.worker.handover import hand_over, this_program
 from radtex_addon.worker.order import command_line, write_order

@@ -12,9 +12,9 @@ from typing import Any, cast
 import bpy
 import numpy as np
 
-from radtex_addon.bake.spec import BakeSpec, Layout, Unwrap
 from radtex_addon.report.gbuffer import BakedSurface, Rays
 from radtex_addon.report.metrics import Picture
+from radtex_addon.settings.spec import BakeSpec, Layout, Unwrap
 from tests.bench.fidelity.composite import seen_light
 from tests.bench.fidelity.method import Baked
 from tests.bench.fidelity.methods.layered import Layered

@@ -12,7 +12,6 @@ import numpy as np
 
 from radtex_addon.bake.plan import CapturePlan
 from radtex_addon.bake.progress import finished
-from radtex_addon.bake.spec import Unwrap
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.frame import orthonormal_frame
@@ -20,6 +19,7 @@ from radtex_addon.scene.mesh.evaluated import EvaluatedMesh, evaluate
 from radtex_addon.scene.scratch import scratch_scene
 from radtex_addon.scene.uv.unwrap import unwrap_steps
 from radtex_addon.scene.uv.unwrap_options import UnwrapOptions, Unwrapped
+from radtex_addon.settings.spec import Unwrap
 
 
 def read(item: Any) -> EvaluatedMesh:

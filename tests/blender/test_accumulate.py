@@ -13,13 +13,13 @@ import numpy as np
 import pytest
 
 from radtex_addon.bake.layers import Layer
-from radtex_addon.bake.spec import BakeSpec, CaptureMethod, Kind
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import InputError
 from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.forms.buckets import bake as buckets
 from radtex_addon.job import BakeResult, bake_object
+from radtex_addon.settings.spec import BakeSpec, CaptureMethod, Kind
 from tests.blender import stage
 from tests.blender.conftest import PlannedError
 

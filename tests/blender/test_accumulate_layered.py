@@ -13,12 +13,12 @@ import bpy
 import numpy as np
 import pytest
 
-from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import InputError
 from radtex_addon.forms.layered.files.layered_files import read_layered
 from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas
 from radtex_addon.job import bake_object, bake_steps
+from radtex_addon.settings.spec import BakeSpec, Layout
 from tests.blender import stage
 
 pytestmark = [pytest.mark.one_blender, pytest.mark.usefixtures("temporary")]

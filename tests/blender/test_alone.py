@@ -13,10 +13,10 @@ import bpy
 import numpy as np
 import pytest
 
-from radtex_addon.bake.spec import BakeSpec, Kind
 from radtex_addon.core.errors import InputError
 from radtex_addon.job import bake_object
 from radtex_addon.job.changed_bakes import BakeState, Changes, changes
+from radtex_addon.settings.spec import BakeSpec, Kind
 from tests.blender import stage
 from tests.blender.fingerprint import differences, fingerprint
 from tests.blender.test_job import pixels_of

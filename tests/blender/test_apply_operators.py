@@ -14,13 +14,13 @@ import bpy
 import numpy as np
 import pytest
 
-from radtex_addon.bake.spec import BakeSpec, Kind
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.sampler import Filter
 from radtex_addon.job import bake_object
 from radtex_addon.preview.bake_group import group_in
 from radtex_addon.preview.swap import is_on, switch_off, switch_on
 from radtex_addon.scene.nodes import open_material
+from radtex_addon.settings.spec import BakeSpec, Kind
 from radtex_addon.ui import registration
 from tests.blender.fingerprint import differences
 from tests.blender.lookup_stage import add_camera_above, render_exr, set_up_render

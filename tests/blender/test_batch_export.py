@@ -17,13 +17,13 @@ from typing import Any
 import bpy
 import pytest
 
-from radtex_addon.bake.spec import BakeSpec, Kind
 from radtex_addon.cli.export_arguments import ExportRequest, parse_export
 from radtex_addon.cli.options import ProgressStyle
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.export.targets import web
 from radtex_addon.job import bake_object
+from radtex_addon.settings.spec import BakeSpec, Kind
 from radtex_addon.textures.export_spec import Arrangement, ExportSpec, Target, TextureFormat
 from tests.blender import stage
 from tests.blender.batch_process import BAKE, Batch, Outcome, refusal

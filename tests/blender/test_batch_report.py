@@ -11,11 +11,11 @@ from typing import Any
 import bpy
 import pytest
 
-from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.cli.report_arguments import parse_report
 from radtex_addon.core.errors import InputError
 from radtex_addon.job import bake_object
 from radtex_addon.report.report_bake import ReportSpec
+from radtex_addon.settings.spec import BakeSpec
 from tests.blender import stage
 from tests.blender.batch_process import Batch, refusal
 

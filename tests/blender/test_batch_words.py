@@ -16,9 +16,7 @@ from typing import Any
 import bpy
 import pytest
 
-from radtex_addon.bake import spec
 from radtex_addon.bake.progress import Progress, Stage
-from radtex_addon.bake.spec import BakeSpec, Kind
 from radtex_addon.cli import main as batch_module
 from radtex_addon.cli import reporting
 from radtex_addon.cli.arguments import parse
@@ -32,6 +30,8 @@ from radtex_addon.core.sampler import Filter
 from radtex_addon.job import OpenLayout
 from radtex_addon.report.report_bake import ReportSpec
 from radtex_addon.scene.demo import OBJECT
+from radtex_addon.settings import spec
+from radtex_addon.settings.spec import BakeSpec, Kind
 from radtex_addon.textures.export_spec import Arrangement, Target, TextureFormat
 from radtex_addon.version import VERSION
 from tests.blender.batch_process import BAKE, process, refusal

@@ -10,10 +10,10 @@ from typing import Any, cast
 import bpy
 import pytest
 
-from radtex_addon.bake.spec import BakeSpec, Kind
 from radtex_addon.job.checks import check_request
 from radtex_addon.scene.checks.camera_checks import camera_materials
 from radtex_addon.scene.checks.see_through import volumes_around
+from radtex_addon.settings.spec import BakeSpec, Kind
 from tests.blender import stage
 from tests.blender.stage import material, world
 

@@ -16,7 +16,6 @@ import pytest
 from mathutils import Vector
 
 from radtex_addon.bake.plan import CapturePlan, Tile, plan_capture
-from radtex_addon.bake.spec import Kind
 from radtex_addon.core.arrays import Bools, Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.errors import InputError
@@ -26,6 +25,7 @@ from radtex_addon.cycles.panoramic import PanoramicCapture
 from radtex_addon.cycles.portal import PortalCapture
 from radtex_addon.formats.containers.exr import read_render
 from radtex_addon.scene.scratch import scratch_scene
+from radtex_addon.settings.spec import Kind
 from tests.blender import stage
 from tests.blender.same_light import same_light
 

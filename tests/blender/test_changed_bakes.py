@@ -13,12 +13,12 @@ import bpy
 import numpy as np
 import pytest
 
-from radtex_addon.bake.spec import BakeSpec, Kind, View
 from radtex_addon.core.sampler import Filter
 from radtex_addon.formats.fingerprint import Fingerprint
 from radtex_addon.job import bake_object
 from radtex_addon.job.changed_bakes import BakeState, Changes, SceneReader, changes
 from radtex_addon.preview.swap import switch_off, switch_on
+from radtex_addon.settings.spec import BakeSpec, Kind, View
 from radtex_addon.worker.handover import hand_over
 from tests.blender import stage
 from tests.blender.batch_process import process

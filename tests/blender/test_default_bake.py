@@ -14,12 +14,12 @@ import bpy
 import numpy as np
 import pytest
 
-from radtex_addon.bake import rays
 from radtex_addon.bake.progress import Stage
-from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.forms.layered.files.layered_files import read_layered
 from radtex_addon.job import bake_object, bake_steps
+from radtex_addon.settings import rays
+from radtex_addon.settings.spec import BakeSpec, Layout
 from radtex_addon.ui.panel import panel_state
 from radtex_addon.ui.panel.main_panel import RADTEX_PT_bake
 from radtex_addon.ui.panel.settings_panels import RADTEX_PT_light, RADTEX_PT_surface

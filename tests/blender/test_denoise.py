@@ -14,13 +14,13 @@ import numpy as np
 import pytest
 
 from radtex_addon.bake.layers import Layer
-from radtex_addon.bake.spec import BakeSpec, Kind
 from radtex_addon.core.arrays import Floats
 from radtex_addon.cycles.denoiser import image_denoiser
 from radtex_addon.formats.bucket_files import read_layer
 from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.formats.transfer_files import read_transfer
 from radtex_addon.job import bake_object
+from radtex_addon.settings.spec import BakeSpec, Kind
 from tests.blender import stage
 from tests.blender.fingerprint import differences, fingerprint
 

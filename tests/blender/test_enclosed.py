@@ -15,7 +15,6 @@ import pytest
 from radtex_addon.bake.plan import CapturePlan, plan_capture
 from radtex_addon.bake.pooling import Neighbours
 from radtex_addon.bake.progress import finished
-from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.hemisphere import cell_centres, square_to_direction
 from radtex_addon.cycles.path_ends import Body
 from radtex_addon.forms.layered.capture.enclosed import enclosed
@@ -24,6 +23,7 @@ from radtex_addon.forms.layered.fit.through import fit_ways
 from radtex_addon.prepare.prepared import prepare
 from radtex_addon.scene.objects import find_object
 from radtex_addon.scene.scratch import scratch_scene
+from radtex_addon.settings.spec import BakeSpec, Layout
 from tests.bench.fidelity.scenes.materials import assign, principled
 from tests.bench.fidelity.scenes.meshes import as_subject, made
 from tests.blender import stage

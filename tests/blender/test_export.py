@@ -18,7 +18,6 @@ import numpy as np
 import pytest
 
 from radtex_addon.bake.progress import finished
-from radtex_addon.bake.spec import BakeSpec, Compression, Layout
 from radtex_addon.core.errors import BakeError, FormatError, InputError, RadTexError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.export import folder as folder_module
@@ -27,6 +26,7 @@ from radtex_addon.export.exporting import Exported, export_steps
 from radtex_addon.export.folder import LIST, files_in
 from radtex_addon.formats.containers.exr import read_atlas
 from radtex_addon.job import bake_object
+from radtex_addon.settings.spec import BakeSpec, Compression, Layout
 from radtex_addon.textures.export_spec import Arrangement, ExportSpec, Target, TextureFormat
 from tests.blender import stage
 from tests.blender.fingerprint import differences, fingerprint

@@ -14,11 +14,11 @@ import bpy
 import pytest
 
 from radtex_addon.bake.progress import finished
-from radtex_addon.bake.spec import BakeSpec, Kind
 from radtex_addon.core.sampler import Filter
 from radtex_addon.export.exporting import ExportSource, about_texture_bytes, export_steps
 from radtex_addon.export.targets import web
 from radtex_addon.job import bake_object
+from radtex_addon.settings.spec import BakeSpec, Kind
 from radtex_addon.textures.export_spec import ExportSpec, Target
 from radtex_addon.ui import registration
 from radtex_addon.ui.operators.export_dialog import dialog_title, draw_dialog

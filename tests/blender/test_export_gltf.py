@@ -17,7 +17,6 @@ from mathutils import Matrix, Quaternion
 from PIL import Image
 
 from radtex_addon.bake.progress import finished
-from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.frame import normalised
 from radtex_addon.core.sampler import Filter
@@ -29,6 +28,7 @@ from radtex_addon.formats.containers.glb import Glb
 from radtex_addon.job import bake_object
 from radtex_addon.scene.mesh.copy import NORMAL, SIGN, TANGENT
 from radtex_addon.scene.preview_file import baked_copy, surface_of
+from radtex_addon.settings.spec import BakeSpec
 from radtex_addon.textures.export_spec import ExportSpec, Target
 from tests.blender import stage
 from tests.blender.fingerprint import differences, fingerprint

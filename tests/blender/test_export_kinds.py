@@ -18,7 +18,6 @@ import pytest
 from PIL import Image
 
 from radtex_addon.bake.progress import finished
-from radtex_addon.bake.spec import BakeSpec, Kind
 from radtex_addon.bake.transfer_buckets import mean_over_lights
 from radtex_addon.cli import main as batch_module
 from radtex_addon.core.errors import InputError
@@ -34,6 +33,7 @@ from radtex_addon.formats.shadow_files import read_shadow_of
 from radtex_addon.formats.transfer_files import read_transfer
 from radtex_addon.job import bake_object
 from radtex_addon.job.preflight import run_preflight
+from radtex_addon.settings.spec import BakeSpec, Kind
 from radtex_addon.textures.entry import Arranged, Container
 from radtex_addon.textures.export_spec import ExportSpec, Target, TextureFormat
 from tests.blender import stage

@@ -14,7 +14,6 @@ import bpy
 import pytest
 
 from radtex_addon.bake.progress import finished
-from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.errors import FormatError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.export.exporting import export_steps
@@ -22,6 +21,7 @@ from radtex_addon.export.exporting_scene import export_scene_steps
 from radtex_addon.export.targets import web
 from radtex_addon.farm.prepare_farm import prepare_steps
 from radtex_addon.job import bake_object
+from radtex_addon.settings.spec import BakeSpec
 from radtex_addon.textures.export_spec import ExportSpec, Target
 
 pytestmark = pytest.mark.one_blender

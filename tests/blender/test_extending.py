@@ -25,7 +25,7 @@ BAKE = """
 import json, sys
 from pathlib import Path
 import bpy
-from radtex_addon.bake.spec import BakeSpec
+from radtex_addon.settings.spec import BakeSpec
 from radtex_addon.core.sampler import Filter
 from radtex_addon.export.exporting import export_steps
 from radtex_addon.export.export_manifest import read_manifest
@@ -33,7 +33,7 @@ from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.job import bake_object
 from radtex_addon.store.bake_folder import BakeFolder
 from radtex_addon.textures.export_spec import ExportSpec, Target
-from radtex_addon.bake.menu_items import KINDS
+from radtex_addon.settings.menu_items import KINDS
 from tests.blender import stage
 
 bpy.ops.wm.read_factory_settings(use_empty=True)
@@ -67,7 +67,7 @@ import json
 from dataclasses import replace
 from pathlib import Path
 import bpy
-from radtex_addon.bake.spec import BakeSpec, facts_of, fingerprint_texts, key_facts, spec_in
+from radtex_addon.settings.spec import BakeSpec, facts_of, fingerprint_texts, key_facts, spec_in
 from radtex_addon.cli import arguments, wording
 from radtex_addon.core.errors import InputError
 from radtex_addon.formats.json_reader import Facts
@@ -147,9 +147,9 @@ def test_what_is_added_bakes_and_exports(add: Callable[[Path], Path], cells: int
 
 
 def test_what_is_added_is_what_the_documentation_says(tmp_path: Path) -> None:
-    assert summary(add_option(tmp_path / "option")) == ["bake/options.py: edited, +6"]
-    assert summary(add_kind(tmp_path / "kind")) == ["bake/kinds.py: edited, +10"]
-    edited = ["bake/forms.py: edited, +2", "bake/kinds.py: edited, +12"]
+    assert summary(add_option(tmp_path / "option")) == ["settings/options.py: edited, +6"]
+    assert summary(add_kind(tmp_path / "kind")) == ["settings/kinds.py: edited, +10"]
+    edited = ["settings/forms.py: edited, +2", "settings/kinds.py: edited, +12"]
     new = [line.partition(":")[0] for line in summary(add_form(tmp_path / "form")) if ": new" in line]
     assert [line for line in summary(add_form(tmp_path / "again")) if ": edited" in line] == edited
     assert new == ["forms/mean/__init__.py", "forms/mean/form.py"]

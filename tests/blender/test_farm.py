@@ -17,13 +17,13 @@ import bpy
 import pytest
 
 from radtex_addon.bake.progress import finished
-from radtex_addon.bake.spec import BakeSpec, Layer
 from radtex_addon.core.errors import BakeError, FormatError, InputError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.farm.assemble_farm import assemble_steps
 from radtex_addon.farm.frame_list import frame_list
 from radtex_addon.farm.prepare_farm import prepare_steps
 from radtex_addon.job import bake_object
+from radtex_addon.settings.spec import BakeSpec, Layer
 from radtex_addon.store.checkpoint import Checkpoint
 from tests.blender.batch_process import Batch, refusal
 from tests.blender.farming import BOX, assembled, build_moving_scene, prepared, render, rewrite_frame

@@ -17,10 +17,10 @@ import numpy as np
 import OpenEXR
 import pytest
 
-from radtex_addon.bake.spec import BakeSpec, Layer
 from radtex_addon.core.errors import BakeError, FormatError, RadTexError
 from radtex_addon.formats.disk.regular import digest
 from radtex_addon.job import bake_object
+from radtex_addon.settings.spec import BakeSpec, Layer
 from tests.blender import stage
 from tests.blender.farming import assembled, prepared, render, rewrite_frame
 

@@ -13,9 +13,9 @@ import bpy
 import numpy as np
 import pytest
 
-from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.errors import InputError
 from radtex_addon.farm.prepare_farm import Farm
+from radtex_addon.settings.spec import BakeSpec
 from tests.blender import stage
 from tests.blender.farming import BOX, prepared
 

@@ -14,8 +14,8 @@ import bpy
 import numpy as np
 import pytest
 
-from radtex_addon.bake.spec import BakeSpec, Layout, Unwrap
 from radtex_addon.report.gbuffer import BakedSurface
+from radtex_addon.settings.spec import BakeSpec, Layout, Unwrap
 from tests.bench.fidelity import cache, scenes
 from tests.bench.fidelity.lottery import draw, lottery
 from tests.bench.fidelity.lottery.exposure import expose

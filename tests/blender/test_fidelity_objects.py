@@ -13,7 +13,6 @@ import bpy
 import pytest
 
 from radtex_addon.bake.progress import Progress, Stage, finished
-from radtex_addon.bake.spec import BakeSpec, Layout, Split, Unwrap
 from radtex_addon.core.sampler import Filter
 from radtex_addon.export.export_manifest import EXTENSION
 from radtex_addon.export.exporting import export_steps
@@ -21,6 +20,7 @@ from radtex_addon.export.gltf import extension_in
 from radtex_addon.formats.containers.glb import Glb
 from radtex_addon.forms.layered.files.layered_files import read_layered_sidecar
 from radtex_addon.job import bake_object, bake_steps, part_specs
+from radtex_addon.settings.spec import BakeSpec, Layout, Split, Unwrap
 from radtex_addon.textures.export_spec import ExportSpec, Target
 from tests.blender.objects_stage import corner, detailed, pair, view
 

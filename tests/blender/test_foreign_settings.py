@@ -12,12 +12,12 @@ import bpy
 import numpy as np
 import pytest
 
-from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.arrays import Floats
 from radtex_addon.formats.containers.exr import read_atlas
 from radtex_addon.forms.layered.files.layered_files import read_layered
 from radtex_addon.job import bake_object, check_request
 from radtex_addon.scene.scratch import scratch_scene
+from radtex_addon.settings.spec import BakeSpec, Layout
 from tests.blender import stage
 
 pytestmark = pytest.mark.usefixtures("temporary")

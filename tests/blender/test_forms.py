@@ -14,13 +14,13 @@ import bpy
 import numpy as np
 import pytest
 
-from radtex_addon.bake.spec import BakeSpec, Kind, Layout
 from radtex_addon.core.errors import FormatError
 from radtex_addon.core.fragments import Fragments
 from radtex_addon.formats.containers.exr import read_whole
 from radtex_addon.formats.sidecar_file import SidecarFile
 from radtex_addon.forms import cost_of, form_for, form_in
 from radtex_addon.job import bake_object
+from radtex_addon.settings.spec import BakeSpec, Kind, Layout
 from radtex_addon.store.bake_folder import BakeFolder
 from radtex_addon.store.output_files import images_of
 from radtex_addon.textures.export_spec import ExportSpec, Target, TextureFormat

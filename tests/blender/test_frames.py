@@ -13,7 +13,6 @@ import bpy
 import numpy as np
 import pytest
 
-from radtex_addon.bake.spec import BakeSpec, Unwrap
 from radtex_addon.cli.arguments import parse
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.sampler import Filter
@@ -21,6 +20,7 @@ from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.job import bake_object
 from radtex_addon.prepare.unwrapping import Unwraps
+from radtex_addon.settings.spec import BakeSpec, Unwrap
 from tests.blender import stage
 from tests.blender.batch_process import Batch
 from tests.blender.fingerprint import differences, fingerprint

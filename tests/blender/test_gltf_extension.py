@@ -14,13 +14,13 @@ from typing import Any
 import pytest
 from jsonschema import Draft202012Validator
 
-from radtex_addon.bake.forms import FORMS
-from radtex_addon.bake.kinds import Kind
 from radtex_addon.bake.progress import finished
 from radtex_addon.export.exporting import export_steps
 from radtex_addon.export.gltf import EXTENSION, extension_in
 from radtex_addon.formats.containers.glb import Glb
 from radtex_addon.formats.containers.texture import PixelFormat
+from radtex_addon.settings.forms import FORMS
+from radtex_addon.settings.kinds import Kind
 from radtex_addon.textures.entry import Arranged, Container
 from tests.blender.every_kind import EXPORTS, every_kind
 from tests.gltf_schema import BAKE, EXTENSION_FOLDER, TEXTURE, extensions_of, problems, schemas

@@ -17,7 +17,6 @@ import pytest
 from radtex_addon.bake import session
 from radtex_addon.bake.plan import Tile
 from radtex_addon.bake.progress import Stage
-from radtex_addon.bake.spec import BakeSpec, CaptureMethod, Compression, Kind, Unwrap
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.errors import BakeError, InputError
@@ -32,6 +31,7 @@ from radtex_addon.job import BakeResult, bake_object, bake_steps, check_request
 from radtex_addon.job import baking as run
 from radtex_addon.prepare import prepared as prepare
 from radtex_addon.prepare import unwrapping
+from radtex_addon.settings.spec import BakeSpec, CaptureMethod, Compression, Kind, Unwrap
 from radtex_addon.version import VERSION
 from tests.blender import stage
 from tests.blender.conftest import PlannedError

@@ -12,7 +12,6 @@ import bpy
 import numpy as np
 import pytest
 
-from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.arrays import Bools, Floats
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.hemisphere import cell_centres, square_to_direction
@@ -21,6 +20,7 @@ from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.formats.shadow_files import read_shadow_of
 from radtex_addon.job import BakeResult, bake_object, bake_steps
 from radtex_addon.job.checks import check_request
+from radtex_addon.settings.spec import BakeSpec
 from tests.blender import stage
 from tests.blender.casting import all_meshes, blocked, plan_of_bake
 from tests.blender.fingerprint import differences, fingerprint

@@ -16,9 +16,9 @@ from typing import Any
 import bpy
 import pytest
 
-from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.errors import BakeError, InputError
 from radtex_addon.job import bake_object
+from radtex_addon.settings.spec import BakeSpec
 from tests.blender.disk import small_disk, unavailable
 from tests.blender.killed import Command, digests, left_behind
 from tests.blender.room import fill_room, save_room

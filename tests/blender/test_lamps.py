@@ -13,7 +13,6 @@ import bpy
 import numpy as np
 import pytest
 
-from radtex_addon.bake.spec import BakeSpec, CaptureMethod, Kind, Layer, Layout, Unwrap
 from radtex_addon.cli.arguments import parse
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import InputError
@@ -28,6 +27,7 @@ from radtex_addon.job import bake_object
 from radtex_addon.prepare.unwrapping import Unwraps
 from radtex_addon.scene.lights.lamps import each_light, lit_by_lamps_alone
 from radtex_addon.scene.scratch import scratch_scene
+from radtex_addon.settings.spec import BakeSpec, CaptureMethod, Kind, Layer, Layout, Unwrap
 from tests.blender import stage
 from tests.blender.batch_process import Batch
 from tests.blender.fingerprint import differences, fingerprint

@@ -12,7 +12,6 @@ import pytest
 from mathutils.bvhtree import BVHTree
 
 from radtex_addon.bake.progress import Progress, finished, relayed
-from radtex_addon.bake.spec import Unwrap
 from radtex_addon.core.arrays import Floats, Ints
 from radtex_addon.core.islands import signed_areas, surface_areas, uv_islands, weld
 from radtex_addon.scene.mesh import backs, copy
@@ -23,6 +22,7 @@ from radtex_addon.scene.mesh.triangle_tree import triangle_tree
 from radtex_addon.scene.scratch import scratch_scene
 from radtex_addon.scene.uv import flatten_in_parts, unwrap_options
 from radtex_addon.scene.uv.unwrap import unwrap_steps
+from radtex_addon.settings.spec import Unwrap
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
 

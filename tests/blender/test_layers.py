@@ -14,7 +14,6 @@ import pytest
 
 from radtex_addon.bake import session
 from radtex_addon.bake.layers import LIGHT, Layer
-from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.sampler import Filter
@@ -22,6 +21,7 @@ from radtex_addon.formats.bucket_files import read_layer
 from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.job import bake_object
 from radtex_addon.preview.swap import switch_off, switch_on
+from radtex_addon.settings.spec import BakeSpec
 from tests.blender import stage
 from tests.blender.fingerprint import differences, fingerprint
 from tests.blender.lookup_stage import render_exr, set_up_render

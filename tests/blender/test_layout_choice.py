@@ -12,13 +12,13 @@ from typing import Any
 import bpy
 import pytest
 
-from radtex_addon.bake import cost
-from radtex_addon.bake.spec import BakeSpec, Compression, Kind, Layer, Layout, Split
 from radtex_addon.cli.arguments import parse
 from radtex_addon.core.errors import InputError
 from radtex_addon.formats.sidecar import file_name
 from radtex_addon.forms.layered import bake as layered
 from radtex_addon.job import Choice, OpenLayout, bake_object, choose_layout
+from radtex_addon.settings import cost
+from radtex_addon.settings.spec import BakeSpec, Compression, Kind, Layer, Layout, Split
 from radtex_addon.store.checkpoint_files import Key, write_key
 from tests.blender import stage
 

@@ -13,13 +13,13 @@ import bpy
 import numpy as np
 import pytest
 
-from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.errors import BakeError, InputError
 from radtex_addon.cycles.passes import finite_light
 from radtex_addon.forms.layered.files.layered_files import read_layered
 from radtex_addon.job import bake_object, check_request
 from radtex_addon.scene.checks.finite_light import refuse_unfinite_light
 from radtex_addon.scene.lights.light import is_dark
+from radtex_addon.settings.spec import BakeSpec, Layout
 from tests.blender import stage
 
 context: Any = bpy.context  # to the stubs, every pointer may be None

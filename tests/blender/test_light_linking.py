@@ -12,13 +12,13 @@ import numpy as np
 import pytest
 
 from radtex_addon.bake import progress
-from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.sampler import Filter
 from radtex_addon.job import bake_object
 from radtex_addon.preview.apply_copy import apply_to_copies
 from radtex_addon.preview.swap import previews_not_rendered, previews_off, switch_off, switch_on
 from radtex_addon.report.side_by_side import ComparisonSpec, compare_steps
 from radtex_addon.report.viewpoint import Eye
+from radtex_addon.settings.spec import BakeSpec, Layout
 from tests.blender import stage
 from tests.blender.fingerprint import differences, fingerprint
 from tests.blender.test_swap import PLAIN, bake_of, ball

@@ -13,7 +13,6 @@ import bpy
 import pytest
 
 from radtex_addon.bake import progress
-from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.export.exporting import export_steps
@@ -21,6 +20,7 @@ from radtex_addon.job import bake_object
 from radtex_addon.report.report_bake import ReportSpec, report_path, report_steps
 from radtex_addon.report.side_by_side import ComparisonSpec, compare_steps
 from radtex_addon.report.viewpoint import Eye
+from radtex_addon.settings.spec import BakeSpec
 from radtex_addon.textures.export_spec import ExportSpec, Target
 from tests.blender import stage
 from tests.blender.fingerprint import differences, fingerprint

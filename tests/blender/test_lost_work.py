@@ -17,7 +17,6 @@ from typing import Any
 import bpy
 import pytest
 
-from radtex_addon.bake.spec import BakeSpec, Kind, Layout
 from radtex_addon.core.errors import BakeError, InputError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.export.folder import is_whole
@@ -27,6 +26,7 @@ from radtex_addon.forms.layered import bake as layered
 from radtex_addon.job import bake_object
 from radtex_addon.job import baking as run
 from radtex_addon.job.preflight import run_preflight
+from radtex_addon.settings.spec import BakeSpec, Kind, Layout
 from radtex_addon.store.output_files import images_of
 from radtex_addon.textures.export_spec import Target
 from tests.bench.renames import Bench, contents

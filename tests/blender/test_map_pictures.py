@@ -15,7 +15,6 @@ import bpy
 import numpy as np
 import pytest
 
-from radtex_addon.bake.spec import BakeSpec, Unwrap
 from radtex_addon.bake.thumbnail import Thumbnail
 from radtex_addon.cli.wording import worded
 from radtex_addon.core.messages import Message
@@ -25,6 +24,7 @@ from radtex_addon.job import bake_object
 from radtex_addon.report.gbuffer import BakedSurface, Rays
 from radtex_addon.report.map_pictures import map_pictures, square_for
 from radtex_addon.report.views import View
+from radtex_addon.settings.spec import BakeSpec, Unwrap
 from radtex_addon.ui.panel.labels import remark
 from radtex_addon.worker.handover import hand_over, this_program
 from radtex_addon.worker.job import JobMap, State

@@ -12,7 +12,6 @@ import bpy
 import numpy as np
 import pytest
 
-from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.arrays import Bools, Floats, Ints
 from radtex_addon.core.errors import InputError
 from radtex_addon.formats.bucket_files import read_counts
@@ -22,6 +21,7 @@ from radtex_addon.forms.buckets import bake as buckets
 from radtex_addon.job import bake_object
 from radtex_addon.scene.mesh.named_regions import chosen_triangles
 from radtex_addon.scene.scratch import scratch_scene
+from radtex_addon.settings.spec import BakeSpec
 from tests.blender import stage
 from tests.blender.conftest import PlannedError
 

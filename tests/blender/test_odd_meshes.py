@@ -15,10 +15,10 @@ import bpy
 import numpy as np
 import pytest
 
-from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.errors import InputError
 from radtex_addon.formats.containers.exr import read_atlas
 from radtex_addon.job import bake_object, check_request
+from radtex_addon.settings.spec import BakeSpec
 from tests.blender import stage
 
 context: Any = bpy.context

@@ -14,12 +14,12 @@ from typing import Any
 import bpy
 import pytest
 
-from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.errors import FormatError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.job import bake_object
 from radtex_addon.preview.node_group import check_image
+from radtex_addon.settings.spec import BakeSpec
 from radtex_addon.textures.export_spec import ExportSpec, Target
 from radtex_addon.ui import registration
 from radtex_addon.worker import queue as queue_module

@@ -9,11 +9,11 @@ from pathlib import Path
 
 import pytest
 
-from radtex_addon.bake.spec import Layout
 from radtex_addon.cli.arguments import parse
 from radtex_addon.cli.serving import address, serving
 from radtex_addon.core.errors import InputError
 from radtex_addon.export.page_server import HERE
+from radtex_addon.settings.spec import Layout
 
 pytestmark = pytest.mark.one_blender
 BAKE = ["room.blend", "--object", "Vase"]

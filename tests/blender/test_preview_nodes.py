@@ -12,7 +12,6 @@ import bpy
 import numpy as np
 import pytest
 
-from radtex_addon.bake.spec import BakeSpec, Kind
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.errors import FormatError, InputError
 from radtex_addon.core.sampler import Filter
@@ -25,6 +24,7 @@ from radtex_addon.preview.material import load_atlas
 from radtex_addon.preview.node_group import build_sample_group
 from radtex_addon.preview.swap import switch_off, switch_on
 from radtex_addon.scene.nodes import NodeBuilder, Socket
+from radtex_addon.settings.spec import BakeSpec, Kind
 from tests.blender import stage
 from tests.blender.lookup_stage import ENGINES, Inputs, LookupStage, Shader, write_exr
 from tests.lookups import (

@@ -13,7 +13,6 @@ import PIL.Image
 import pytest
 from mathutils import Vector
 
-from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.sampler import Filter
@@ -23,6 +22,7 @@ from radtex_addon.job import BakeResult, bake_object
 from radtex_addon.preview.lit_material import DIRECTION
 from radtex_addon.preview.save import render_picture
 from radtex_addon.scene.mesh.watertight import is_closed
+from radtex_addon.settings.spec import BakeSpec
 from tests.blender import stage
 from tests.reference.shadows import visibility
 

@@ -12,7 +12,6 @@ import numpy as np
 import PIL.Image
 import pytest
 
-from radtex_addon.bake.spec import BakeSpec, CaptureMethod, Kind, Layout
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.sampler import Filter
@@ -21,6 +20,7 @@ from radtex_addon.formats.sidecar import Content, read_sidecar
 from radtex_addon.job import bake_object
 from radtex_addon.preview.save import render_picture
 from radtex_addon.preview.swap import copy_of, originals_rendered, switch_off, switch_on
+from radtex_addon.settings.spec import BakeSpec, CaptureMethod, Kind, Layout
 from tests.blender import stage
 from tests.blender.fingerprint import differences, fingerprint
 

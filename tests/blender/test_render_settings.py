@@ -14,7 +14,6 @@ import pytest
 
 from radtex_addon.bake.layers import Layer
 from radtex_addon.bake.progress import finished
-from radtex_addon.bake.spec import BakeSpec, Kind, Layout
 from radtex_addon.core.sampler import Filter
 from radtex_addon.job import bake_object
 from radtex_addon.preview.save import render_picture
@@ -27,6 +26,7 @@ from radtex_addon.scene.render_settings import (
     settings_of,
 )
 from radtex_addon.scene.scratch import scratch_scene
+from radtex_addon.settings.spec import BakeSpec, Kind, Layout
 from tests.blender import farming, stage
 
 pytestmark = pytest.mark.usefixtures("temporary")

@@ -14,7 +14,6 @@ import numpy as np
 import pytest
 
 from radtex_addon.bake import progress
-from radtex_addon.bake.spec import BakeSpec, Compression, Kind, Layout, Unwrap
 from radtex_addon.core.errors import FormatError, InputError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.formats.sidecar_file import SidecarFile
@@ -24,6 +23,7 @@ from radtex_addon.report.finished_bake import find_bake, read_bake
 from radtex_addon.report.gbuffer import BakedSurface, Rays, eroded
 from radtex_addon.report.report_bake import ReportResult, ReportSpec, report_path, report_steps
 from radtex_addon.report.sizes import gpu_bytes, sizes_of
+from radtex_addon.settings.spec import BakeSpec, Compression, Kind, Layout, Unwrap
 from tests.blender import stage
 from tests.blender.card_frame import give_frame
 from tests.blender.fingerprint import differences, fingerprint

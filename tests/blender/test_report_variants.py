@@ -12,7 +12,6 @@ import bpy
 import pytest
 
 from radtex_addon.bake import progress
-from radtex_addon.bake.spec import BakeSpec, Kind, Unwrap
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.job import bake_object
@@ -21,6 +20,7 @@ from radtex_addon.report.finished_bake import find_bake, read_bake
 from radtex_addon.report.report_bake import ReportResult, ReportSpec, report_path, report_steps
 from radtex_addon.report.side_by_side import Comparison, ComparisonSpec, compare_steps
 from radtex_addon.report.viewpoint import Eye
+from radtex_addon.settings.spec import BakeSpec, Kind, Unwrap
 from tests.blender import stage
 from tests.blender.batch_process import Batch
 from tests.blender.fingerprint import differences, fingerprint

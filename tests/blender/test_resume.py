@@ -15,12 +15,12 @@ import numpy as np
 import pytest
 
 from radtex_addon.bake.progress import Stage
-from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.bake.thumbnail import Thumbnail
 from radtex_addon.core.errors import BakeError, FormatError, InputError
 from radtex_addon.cycles import building_blocks, portal
 from radtex_addon.formats.disk.temporary import mark_of
 from radtex_addon.job import bake_object, bake_steps, check_request
+from radtex_addon.settings.spec import BakeSpec, Layout
 from radtex_addon.store.checkpoint_files import KEY, PIECE_FORMAT
 from tests.blender import stage
 from tests.blender.batch_process import Batch

@@ -17,7 +17,6 @@ import numpy as np
 import pytest
 
 from radtex_addon.bake.progress import Stage
-from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.near_digest import NearDigest
 from radtex_addon.core.sampler import Filter
@@ -29,6 +28,7 @@ from radtex_addon.scene.digests import differing, looks_of, scene_digests
 from radtex_addon.scene.geometry_digests import mesh_digest
 from radtex_addon.scene.mesh.evaluated import evaluate
 from radtex_addon.scene.scratch import scratch_scene
+from radtex_addon.settings.spec import BakeSpec
 from radtex_addon.worker.handover import hand_over
 from tests.blender import stage
 from tests.blender.modifier_stacks import add_stack

@@ -14,7 +14,6 @@ import pytest
 
 from radtex_addon.bake.plan import plan_capture
 from radtex_addon.bake.progress import finished
-from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.arrays import Bools, Floats
 from radtex_addon.core.islands import find_overlap
 from radtex_addon.cycles.find_hidden import find_hidden
@@ -31,6 +30,7 @@ from radtex_addon.scene.mesh.backs import (
 )
 from radtex_addon.scene.nodes import open_material
 from radtex_addon.scene.scratch import scratch_scene
+from radtex_addon.settings.spec import BakeSpec
 from tests.blender import stage
 from tests.blender.lookup_stage import add_camera_above, render_exr, set_up_render
 from tests.blender.stage import read

@@ -13,11 +13,11 @@ from typing import Any, cast
 import bpy
 import pytest
 
-from radtex_addon.bake.spec import Unwrap
 from radtex_addon.core.errors import InputError
 from radtex_addon.scene.mesh.copy import baked_mesh, copy_object, surface_mesh
 from radtex_addon.scene.mesh.evaluated import evaluate
 from radtex_addon.scene.scratch import scene_copied, scratch_scene
+from radtex_addon.settings.spec import Unwrap
 from tests.blender import stage
 from tests.blender.conftest import PlannedError
 from tests.blender.fingerprint import differences, fingerprint

@@ -12,7 +12,6 @@ import bpy
 import numpy as np
 import pytest
 
-from radtex_addon.bake.spec import Unwrap as Method
 from radtex_addon.core.arrays import Bools
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.islands import find_overlap, signed_areas, surface_areas, uv_islands
@@ -22,6 +21,7 @@ from radtex_addon.scene.mesh.evaluated import EvaluatedMesh
 from radtex_addon.scene.uv.unwrap import estimate_seconds
 from radtex_addon.scene.uv.unwrap_options import UnwrapOptions, Unwrapped
 from radtex_addon.scene.uv.uv_layer import user_uv
+from radtex_addon.settings.spec import Unwrap as Method
 from tests.blender.stage import read, unwrapped
 
 context: Any = bpy.context  # to the stubs, every pointer may be None

@@ -13,11 +13,11 @@ import bpy
 import numpy as np
 import pytest
 
-from radtex_addon.bake.spec import BakeSpec, Kind, Layout
 from radtex_addon.core.errors import InputError
 from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.job import bake_object, check_request
 from radtex_addon.scene.checks.see_through import is_see_through, why_no_surface
+from radtex_addon.settings.spec import BakeSpec, Kind, Layout
 from tests.blender import stage
 
 pytestmark = pytest.mark.usefixtures("temporary")

@@ -17,7 +17,6 @@ from mathutils import Matrix, Vector
 from mathutils.bvhtree import BVHTree
 
 from radtex_addon.bake.progress import finished
-from radtex_addon.bake.spec import BakeSpec, CaptureMethod, Kind, Unwrap
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.sampler import Filter
@@ -31,6 +30,7 @@ from radtex_addon.report.side_by_side import Comparison, ComparisonSpec, compare
 from radtex_addon.report.viewpoint import Eye
 from radtex_addon.scene.objects import find_object
 from radtex_addon.scene.scratch import scratch_scene
+from radtex_addon.settings.spec import BakeSpec, CaptureMethod, Kind, Unwrap
 from tests.blender import stage
 from tests.blender.fingerprint import differences, fingerprint
 

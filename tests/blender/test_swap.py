@@ -14,11 +14,11 @@ import bpy
 import numpy as np
 import pytest
 
-from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.errors import FormatError, InputError, RadTexError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.job import bake_object
 from radtex_addon.preview.swap import Preview, is_on, original_of, originals_rendered, switch_off, switch_on
+from radtex_addon.settings.spec import BakeSpec, Layout
 from tests.blender import stage
 from tests.blender.fingerprint import differences, fingerprint
 from tests.blender.lived_in import lived_in_scene

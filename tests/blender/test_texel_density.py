@@ -13,9 +13,7 @@ import bpy
 import numpy as np
 import pytest
 
-from radtex_addon.bake import spec as bake_spec
 from radtex_addon.bake.progress import finished
-from radtex_addon.bake.spec import BakeSpec, Unwrap
 from radtex_addon.cli.arguments import parse
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import InputError, MemoryLimitError
@@ -31,6 +29,8 @@ from radtex_addon.job.bake_plan import plan_bakes
 from radtex_addon.job.bake_request import BakeRequest
 from radtex_addon.scene.uv.unwrap import unwrap_steps
 from radtex_addon.scene.uv.unwrap_options import UnwrapOptions
+from radtex_addon.settings import spec as bake_spec
+from radtex_addon.settings.spec import BakeSpec, Unwrap
 from radtex_addon.store.bake_folder import BakeFolder
 from tests.blender import stage
 from tests.blender.test_unwrap_choice import quads, read

@@ -13,13 +13,13 @@ import bpy
 import numpy as np
 import pytest
 
-from radtex_addon.bake.parts import tile_name, tile_place
-from radtex_addon.bake.spec import BakeSpec, Kind, Split
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.formats.sidecar import Part, read_sidecar
 from radtex_addon.job import bake_object, part_specs
+from radtex_addon.settings.parts import tile_name, tile_place
+from radtex_addon.settings.spec import BakeSpec, Kind, Split
 from tests.blender import stage
 from tests.blender.batch_process import Batch
 from tests.blender.fingerprint import differences, fingerprint

@@ -15,7 +15,6 @@ import numpy as np
 import pytest
 
 from radtex_addon.bake.progress import finished
-from radtex_addon.bake.spec import BakeSpec, Split
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.export.exporting import export_steps
@@ -24,6 +23,7 @@ from radtex_addon.formats.sidecar_file import SidecarFile
 from radtex_addon.job import bake_object, part_specs
 from radtex_addon.preview.swap import is_on, switch_all_on, switch_off
 from radtex_addon.report.finished_bake import check_whole, find_bake, find_bakes
+from radtex_addon.settings.spec import BakeSpec, Split
 from radtex_addon.textures.export_spec import ExportSpec, Target
 from radtex_addon.ui import registration
 from radtex_addon.ui.settings.request import request_of, values_of

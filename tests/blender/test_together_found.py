@@ -14,7 +14,6 @@ import numpy as np
 import pytest
 
 from radtex_addon.bake.progress import finished
-from radtex_addon.bake.spec import BakeSpec, Kind, Split, View
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.export.exporting import export_steps
@@ -27,6 +26,7 @@ from radtex_addon.report.finished_bake import find_bakes
 from radtex_addon.report.shown import bakes_of, shown_bake
 from radtex_addon.report.side_by_side import ComparisonSpec, compare_steps
 from radtex_addon.report.viewpoint import Eye
+from radtex_addon.settings.spec import BakeSpec, Kind, Split, View
 from radtex_addon.textures.export_spec import ExportSpec, Target
 from radtex_addon.ui.panel import jobs_panel
 from radtex_addon.worker.handover import hand_over

@@ -14,13 +14,13 @@ import bpy
 import pytest
 
 from radtex_addon.bake.progress import Stage
-from radtex_addon.bake.spec import BakeSpec, Kind, Split
 from radtex_addon.core.errors import InputError
 from radtex_addon.formats.bucket_files import read_counts
 from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.job import bake_object, bake_steps, part_specs
 from radtex_addon.job.bake_plan import BakePlan, plan_bakes, preflight
 from radtex_addon.job.variants import bakes_to_resume, skipped_warning
+from radtex_addon.settings.spec import BakeSpec, Kind, Split
 from radtex_addon.store.bake_folder import BakeFolder
 from radtex_addon.ui.jobs import estimates, jobs
 from radtex_addon.ui.panel import panel_state

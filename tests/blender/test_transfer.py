@@ -14,13 +14,13 @@ import pytest
 from mathutils import Vector
 
 from radtex_addon.bake.progress import Progress, Stage, finished
-from radtex_addon.bake.spec import BakeSpec, Kind, View
 from radtex_addon.bake.transfer_buckets import mean_over_lights
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.hemisphere import cell_centres, square_to_direction
 from radtex_addon.formats.transfer_files import TransferSidecar, read_transfer
 from radtex_addon.job import bake_object, bake_steps
+from radtex_addon.settings.spec import BakeSpec, Kind, View
 from tests.blender import stage
 from tests.blender.fingerprint import differences, fingerprint
 from tests.reference.relighting import sample_transfer

@@ -15,13 +15,13 @@ import numpy as np
 import pytest
 from mathutils import Matrix
 
-from radtex_addon.bake.spec import BakeSpec, Kind
 from radtex_addon.core.sampler import Filter
 from radtex_addon.job import bake_object
 from radtex_addon.preview.swap import is_on
 from radtex_addon.report.shown import bakes_of
 from radtex_addon.report.side_by_side import ComparisonSpec
 from radtex_addon.report.viewpoint import Eye
+from radtex_addon.settings.spec import BakeSpec, Kind
 from radtex_addon.textures.export_spec import Arrangement, ExportSpec, Target, TextureFormat
 from radtex_addon.ui import registration
 from radtex_addon.ui.jobs import jobs

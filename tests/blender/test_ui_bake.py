@@ -14,10 +14,10 @@ from typing import Any
 import bpy
 import pytest
 
-from radtex_addon.bake.bake_history import read_history
-from radtex_addon.bake.estimate import Basis
 from radtex_addon.core.errors import InputError
 from radtex_addon.job.bake_plan import plan_bakes
+from radtex_addon.settings.bake_history import read_history
+from radtex_addon.settings.estimate import Basis
 from radtex_addon.textures.export_spec import Target
 from radtex_addon.ui.jobs import bake_times, estimates, jobs
 from radtex_addon.ui.panel.jobs_panel import phrase, results

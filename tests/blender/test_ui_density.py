@@ -10,9 +10,9 @@ from pathlib import Path
 import bpy
 import pytest
 
-from radtex_addon.bake import spec as bake_spec
 from radtex_addon.core.messages import Setting
 from radtex_addon.formats.sidecar import read_sidecar
+from radtex_addon.settings import spec as bake_spec
 from radtex_addon.ui.panel import panel_state
 from radtex_addon.ui.panel.labels import LABELS
 from radtex_addon.ui.settings.presets import apply_preset

@@ -15,14 +15,14 @@ import blf
 import pytest
 
 from radtex_addon.bake.bake_title import bake_title, variant_title
-from radtex_addon.bake.options import CALLED
 from radtex_addon.bake.progress import Stage
-from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.cli import wording
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.messages import Message, Setting, do, leave_out
 from radtex_addon.job.variants import title_of, variant_of
 from radtex_addon.report.report_progress import Task
+from radtex_addon.settings.options import CALLED
+from radtex_addon.settings.spec import BakeSpec
 from radtex_addon.textures.export_spec import Task as ExportTask
 from radtex_addon.ui import registration
 from radtex_addon.ui.panel import draw_messages as messages_module
@@ -36,7 +36,7 @@ PACKAGE = Path(labels.__file__).parents[2]
 OPTION = re.compile(r"(?<![\w-])--[a-z][a-z-]+")
 # The command line itself, the table that it is made from, the command line of a worker, and a page whose
 # style sheet has such names.
-WITH_OPTIONS = {"cli", "bake/options.py", "worker", "ui/jobs/jobs.py", "report/page.py"}
+WITH_OPTIONS = {"cli", "settings/options.py", "worker", "ui/jobs/jobs.py", "report/page.py"}
 
 
 def strings(tree: ast.AST) -> Iterator[str]:
@@ -60,7 +60,7 @@ def test_only_the_command_line_names_options() -> None:
 
 
 def test_every_setting_has_an_option() -> None:
-    paths = [*sorted((PACKAGE / "cli").glob("*.py")), PACKAGE / "bake" / "options.py"]
+    paths = [*sorted((PACKAGE / "cli").glob("*.py")), PACKAGE / "settings" / "options.py"]
     sources = [path.read_text(encoding="utf-8") for path in paths]
     offered = {text.removeprefix("--") for source in sources for text in strings(ast.parse(source))}
     options = {wording.option(setting) for setting in {*Setting, *CALLED} - {Setting.SCRIPTS}}

@@ -12,12 +12,12 @@ from typing import get_type_hints
 import bpy
 import pytest
 
-from radtex_addon.bake.estimate import Basis
 from radtex_addon.bake.progress import Stage
-from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.sampler import Filter
 from radtex_addon.job import bake_object, bake_steps, probes
 from radtex_addon.job.preflight import run_preflight
+from radtex_addon.settings.estimate import Basis
+from radtex_addon.settings.spec import BakeSpec
 from radtex_addon.ui.operators.bake_operator import RADTEX_OT_bake
 from radtex_addon.ui.panel import panel_state
 from radtex_addon.ui.panel.cost_panel import figures, told_basis

@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.formats.containers.png import encode_png
+from radtex_addon.settings.spec import BakeSpec
 from radtex_addon.ui.jobs import pictures
 from radtex_addon.ui.panel.jobs_panel import map_figures
 from radtex_addon.worker.job import Job, JobMap, State

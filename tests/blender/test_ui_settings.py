@@ -13,12 +13,12 @@ from typing import Any
 import bpy
 import pytest
 
-from radtex_addon.bake import menu_items as choices
-from radtex_addon.bake.kinds import KINDS, Light
-from radtex_addon.bake.spec import BakeSpec, Compression, Kind, Layer, Layout, Unwrap
 from radtex_addon.core.errors import InputError
 from radtex_addon.cycles.device import GPU_TYPES
 from radtex_addon.job.layout_choice import OpenLayout
+from radtex_addon.settings import menu_items as choices
+from radtex_addon.settings.kinds import KINDS, Light
+from radtex_addon.settings.spec import BakeSpec, Compression, Kind, Layer, Layout, Unwrap
 from radtex_addon.textures.export_spec import Target
 from radtex_addon.ui import registration
 from radtex_addon.ui.settings.bake_settings import NAMES, places

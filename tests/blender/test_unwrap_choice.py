@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 
 from radtex_addon.bake.progress import finished
-from radtex_addon.bake.spec import BakeSpec, Unwrap
 from radtex_addon.core.islands import uv_islands, weld
 from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.job import bake_object
@@ -21,6 +20,7 @@ from radtex_addon.scene.mesh.evaluated import EvaluatedMesh, evaluate
 from radtex_addon.scene.scratch import scratch_scene
 from radtex_addon.scene.uv.unwrap import unwrap_steps
 from radtex_addon.scene.uv.uv_layer import why_unfit
+from radtex_addon.settings.spec import BakeSpec, Unwrap
 
 pytestmark = pytest.mark.one_blender
 

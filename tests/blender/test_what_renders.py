@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 from mathutils import Vector
 
-from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import InputError
 from radtex_addon.forms.layered.capture.hidden_lamps import Target, hidden_lamps
@@ -27,6 +26,7 @@ from radtex_addon.scene.checks.see_through import volumes_around
 from radtex_addon.scene.mesh.render_contents import top_of_render
 from radtex_addon.scene.proxy_content import find_content
 from radtex_addon.scene.scratch import scratch_scene
+from radtex_addon.settings.spec import BakeSpec, Layout
 from tests.blender import stage
 from tests.blender.fingerprint import differences, fingerprint
 from tests.blender.test_scene_others import moved

@@ -15,9 +15,7 @@ import numpy as np
 import pytest
 from mathutils import Euler, Matrix
 
-from radtex_addon.bake.options import MARKED
 from radtex_addon.bake.progress import Stage
-from radtex_addon.bake.spec import BakeSpec, Kind, Layer, Layout, Split, View
 from radtex_addon.cli.options import ProgressStyle
 from radtex_addon.cli.run_work import parse_work, read_order
 from radtex_addon.core.errors import FormatError, InputError
@@ -25,6 +23,8 @@ from radtex_addon.core.messages import Message
 from radtex_addon.core.sampler import Filter
 from radtex_addon.report.side_by_side import ComparisonSpec
 from radtex_addon.report.viewpoint import Eye
+from radtex_addon.settings.options import MARKED
+from radtex_addon.settings.spec import BakeSpec, Kind, Layer, Layout, Split, View
 from radtex_addon.textures.export_spec import Arrangement, ExportSpec, Target, TextureFormat
 from radtex_addon.textures.export_spec import Step as ExportStep
 from radtex_addon.textures.export_spec import Task as ExportTask

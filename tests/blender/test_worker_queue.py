@@ -21,12 +21,12 @@ import numpy as np
 import pytest
 from mathutils import Matrix
 
-from radtex_addon.bake.spec import BakeSpec, Kind, Unwrap
 from radtex_addon.core.sampler import Filter
 from radtex_addon.formats.containers.exr import read_atlas
 from radtex_addon.preview.swap import switch_on
 from radtex_addon.report.side_by_side import ComparisonSpec, read_picture
 from radtex_addon.report.viewpoint import Eye
+from radtex_addon.settings.spec import BakeSpec, Kind, Unwrap
 from radtex_addon.textures.export_spec import ExportSpec, Target
 from radtex_addon.ui.jobs.bug_report import report_of
 from radtex_addon.version import VERSION

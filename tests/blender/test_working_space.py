@@ -19,7 +19,6 @@ from mathutils import Color
 
 from radtex_addon.bake.layers import Layer
 from radtex_addon.bake.progress import finished
-from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.colour_spaces import matrix_to_rec709
 from radtex_addon.core.errors import InputError
@@ -34,6 +33,7 @@ from radtex_addon.report.viewpoint import Eye
 from radtex_addon.scene import working_space
 from radtex_addon.scene.digests import scene_digests
 from radtex_addon.scene.scratch import scratch_scene
+from radtex_addon.settings.spec import BakeSpec, Layout
 from radtex_addon.ui.jobs.comparison import make_images
 from tests.blender import stage
 from tests.blender.working_space_cases import REC_709, WIDE, WORLD, Images, images_of, work_in, worst

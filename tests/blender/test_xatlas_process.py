@@ -19,7 +19,6 @@ import numpy as np
 import pytest
 
 from radtex_addon.bake.progress import Progress, Stage, Steps
-from radtex_addon.bake.spec import Unwrap
 from radtex_addon.core.arrays import Floats, Ints
 from radtex_addon.core.errors import BakeError, InputError
 from radtex_addon.scene.mesh.evaluated import EvaluatedMesh, evaluate
@@ -27,6 +26,7 @@ from radtex_addon.scene.scratch import scratch_scene
 from radtex_addon.scene.uv import xatlas_worker
 from radtex_addon.scene.uv.unwrap import unwrap_steps
 from radtex_addon.scene.uv.xatlas_process import Charts, XatlasProcess, check_xatlas
+from radtex_addon.settings.spec import Unwrap
 
 pytestmark = pytest.mark.one_blender
 context: Any = bpy.context  # to the stubs, every pointer may be None

@@ -18,7 +18,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 import bpy
 
-from radtex_addon.bake.spec import BakeSpec
+from radtex_addon.settings.spec import BakeSpec
 from radtex_addon.worker.handover import hand_over, this_program
 from radtex_addon.worker.orders import order_bake
 from radtex_addon.worker.queue import Queue

@@ -17,7 +17,6 @@ import bpy
 import numpy as np
 
 from radtex_addon.bake.layers import Layer
-from radtex_addon.bake.spec import BakeSpec, CaptureMethod, Kind, Layout
 from radtex_addon.bake.transfer_buckets import mean_over_lights
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.frame import normalised
@@ -28,6 +27,7 @@ from radtex_addon.formats.transfer_files import read_transfer
 from radtex_addon.forms.layered.files.layered_files import read_layered
 from radtex_addon.forms.layered.lookup.atlas import sample_layered
 from radtex_addon.job import bake_object
+from radtex_addon.settings.spec import BakeSpec, CaptureMethod, Kind, Layout
 from tests.blender import farming, stage
 from tests.layered.made_up import made_up_fragments
 

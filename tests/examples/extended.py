@@ -47,16 +47,16 @@ def add_option(folder: Path) -> Path:
     """Copy the package into `folder`, with an option `only_front`."""
     package = _copied(folder)
     changes = {_END_OF_FIELDS: OPTION_FIELD + _END_OF_FIELDS, _END_OF_LIGHT: OPTION_ROW + _END_OF_LIGHT}
-    _insert(package / "bake" / "options.py", changes)
+    _insert(package / "settings" / "options.py", changes)
     return package
 
 
 def add_kind(folder: Path, form: str = "") -> Path:
-    """Copy the package into `folder`, with a kind `irradiance`, of a `form` named in `bake.kinds` if any."""
+    """Copy the package into `folder`, with a kind `irradiance`, of a `form` if one is named."""
     package = _copied(folder)
     row = KIND_ROW.replace("        source", f"        form={form},\n        source") if form else KIND_ROW
     _insert(
-        package / "bake" / "kinds.py",
+        package / "settings" / "kinds.py",
         {_END_OF_MEMBERS: KIND_MEMBER + _END_OF_MEMBERS, _END_OF_KINDS: row + _END_OF_KINDS},
     )
     return package
@@ -68,8 +68,8 @@ def add_form(folder: Path) -> Path:
     shutil.copytree(ROOT / "tests" / "examples" / "mean", package / "forms" / "mean")
     row = f"MEAN = {FORM_ROW}\n"
     forms = {"\nFORMS = (": f"\n{row}FORMS = (", _END_OF_FORMS: "LAYERED, MEAN)\n"}
-    _insert(package / "bake" / "forms.py", forms)
-    _insert(package / "bake" / "kinds.py", {"AMBIENT, BITS": "AMBIENT, BITS, MEAN"})
+    _insert(package / "settings" / "forms.py", forms)
+    _insert(package / "settings" / "kinds.py", {"AMBIENT, BITS": "AMBIENT, BITS, MEAN"})
     return package
 
 

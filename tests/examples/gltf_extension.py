@@ -15,10 +15,10 @@ from typing import Any
 import bpy
 
 from radtex_addon.bake.progress import finished
-from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.sampler import Filter
 from radtex_addon.export.exporting import export_steps
 from radtex_addon.job import bake_object
+from radtex_addon.settings.spec import BakeSpec, Layout
 from radtex_addon.textures.export_spec import ExportSpec, Target
 from tests.gltf_schema import EXTENSION_FOLDER
 

@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 import OpenEXR
 
-from radtex_addon.bake.spec import BakeSpec, facts_of
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.sampler import Filter
 from radtex_addon.export.export_manifest import Manifest, write_manifest
@@ -29,6 +28,7 @@ from radtex_addon.formats.shadow_files import write_shadow
 from radtex_addon.formats.sidecar import Content, Part, Sidecar, Source, write_sidecar
 from radtex_addon.formats.transfer_files import TransferSidecar, write_transfer
 from radtex_addon.forms.layered.files.layered_files import write_layered
+from radtex_addon.settings.spec import BakeSpec, facts_of
 from radtex_addon.store.checkpoint import Checkpoint
 from radtex_addon.textures.entry import Arranged, Container, TextureEntry
 from tests.layered.made_up import made_up_atlas

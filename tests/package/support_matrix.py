@@ -12,10 +12,10 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from radtex_addon.bake.spec import BakeSpec, Kind, Layer, Layout
-from radtex_addon.bake.targets import check_target
 from radtex_addon.core.errors import InputError
 from radtex_addon.farm.farm_manifest import check_farmable
+from radtex_addon.settings.spec import BakeSpec, Kind, Layer, Layout
+from radtex_addon.settings.targets import check_target
 from radtex_addon.textures.export_spec import Target
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "support.md"

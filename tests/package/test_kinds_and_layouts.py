@@ -13,10 +13,10 @@ from collections.abc import Iterator
 
 import pytest
 
-from radtex_addon.bake.forms import FORMS
-from radtex_addon.bake.kinds import KINDS, Kind, Lit
-from radtex_addon.bake.targets import TARGETS, Target, targets_of
 from radtex_addon.export.targets import writer_of
+from radtex_addon.settings.forms import FORMS
+from radtex_addon.settings.kinds import KINDS, Kind, Lit
+from radtex_addon.settings.targets import TARGETS, Target, targets_of
 from tests.package import support_matrix
 from tests.package.test_layers import PACKAGE
 
@@ -24,7 +24,7 @@ pytestmark = pytest.mark.one_blender
 
 WEB_PAGE = PACKAGE.parent / "shaders/three/src/kinds.ts"
 
-_TABLES = {("bake", "kinds.py"), ("bake", "forms.py")}
+_TABLES = {("settings", "kinds.py"), ("settings", "forms.py")}
 _NAMES = {*map(str, Kind), *(form.layout for form in FORMS)}
 _CONSTANTS = {"LAYOUT", "KIND", "SHADOW", "DEFAULT_KIND", *(form.name.upper() for form in FORMS)}
 

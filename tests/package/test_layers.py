@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Imports point one way.
 
-core <- formats <- bake <- scene <- cycles <- preview, textures, prepare <- forms <- export <- store
-<- job <- report, farm <- worker <- ui, cli.
+core <- formats <- bake <- settings <- scene <- cycles <- preview, textures, prepare <- forms <- export
+<- store <- job <- report, farm <- worker <- ui, cli.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ ORDER = [
     {"core"},
     {"formats"},
     {"bake"},
+    {"settings"},
     {"scene"},
     {"cycles"},
     {"preview", "textures", "prepare"},
@@ -48,9 +49,10 @@ ALLOWED: dict[str, set[str]] = {
     "core": {"numpy"},
     "formats": {"numpy", "Imath", "OpenEXR", "zstandard"},
     "bake": {"numpy"},
+    "settings": {"numpy"},
     "scene": {"numpy"} | BLENDER,
 }
-ALLOWED |= {layer: {"numpy"} | BLENDER for row in ORDER[5:] for layer in row}
+ALLOWED |= {layer: {"numpy"} | BLENDER for row in ORDER[6:] for layer in row}
 
 # A script that runs in a process without Blender and without the rest of the package.
 WORKER = ("scene", "uv", "xatlas_worker")

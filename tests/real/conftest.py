@@ -15,7 +15,7 @@ import moderngl
 import pytest
 from playwright.sync_api import BrowserType, sync_playwright
 
-from radtex_addon.bake.spec import Kind, View
+from radtex_addon.settings.spec import Kind, View
 from tests.blender import surroundings
 from tests.blender.furnished_room import bake_room
 from tests.real.browser import HARD_EDGES, SOFTWARE_GL, chromium, served

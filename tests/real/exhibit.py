@@ -26,7 +26,6 @@ import numpy as np
 import pytest
 from mathutils import Euler, Matrix, Vector
 
-from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.sampler import Filter, sample
 from radtex_addon.formats.containers.exr import read_atlas
@@ -36,6 +35,7 @@ from radtex_addon.report.gbuffer import BakedSurface, GBuffer, Rays
 from radtex_addon.report.metrics import Mask, Picture, psnr
 from radtex_addon.scene.demo import OBJECT, build_demo_scene
 from radtex_addon.scene.preview_file import baked_copy
+from radtex_addon.settings.spec import BakeSpec, Layout
 from tests.blender import surroundings
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -20,7 +20,6 @@ import bpy
 import numpy as np
 
 from radtex_addon.bake.layers import Layer
-from radtex_addon.bake.spec import BakeSpec, Kind, View
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.frame import to_frame
@@ -39,6 +38,7 @@ from radtex_addon.report.gbuffer import BakedSurface, GBuffer
 from radtex_addon.report.metrics import Picture
 from radtex_addon.scene.demo import OBJECT
 from radtex_addon.scene.preview_file import baked_copy
+from radtex_addon.settings.spec import BakeSpec, Kind, View
 from tests.real.exhibit import FIGURES, PLACE, ROOT, Bake, Camera, head_stage
 from tests.reference.relighting import sample_transfer
 from tests.reference.shadows import cell_visibility, soft_visibility, sun_directions, sun_weight, visibility

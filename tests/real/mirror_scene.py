@@ -21,12 +21,12 @@ import bpy
 import numpy as np
 from PIL import Image
 
-from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.sampler import Filter
 from radtex_addon.job import bake_object
 from radtex_addon.report.gbuffer import Array, eroded
 from radtex_addon.report.metrics import Mask, Picture, display
 from radtex_addon.scene.nodes import open_world
+from radtex_addon.settings.spec import BakeSpec
 from tests.bench.gallery import looking
 from tests.bench.gallery.looking import PIXELS, Place, added, empty_scene, principled, rendered, tiles
 from tests.real.exhibit import FIGURES, ROOT, Bake, Camera, Form, small_unless_kept

@@ -16,8 +16,8 @@ from typing import Any
 import bpy
 import pytest
 
-from radtex_addon.bake.spec import BakeSpec, Kind
 from radtex_addon.job import bake_object
+from radtex_addon.settings.spec import BakeSpec, Kind
 from tests.blender import stage
 from tests.blender.farming import BOX, prepared
 from tests.real.nodes import BPY, OPENJD, NodeUnavailableError, ready_python

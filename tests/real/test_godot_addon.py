@@ -17,7 +17,6 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from radtex_addon.bake.spec import Kind
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.frame import normalised
 from radtex_addon.core.sampler import Filter, sample
@@ -26,6 +25,7 @@ from radtex_addon.export.gltf import extension_in
 from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.formats.containers.glb import Glb
 from radtex_addon.report.metrics import Picture, display
+from radtex_addon.settings.spec import Kind
 from radtex_addon.textures.export_spec import Arrangement, ExportSpec, Target, TextureFormat
 from tests.gltf_schema import EXTENSION_FOLDER
 from tests.real.exhibit import CAMERAS, Camera, Exhibit, Form, decibels

@@ -21,11 +21,11 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from radtex_addon.bake.spec import Kind
 from radtex_addon.core.arrays import Floats
 from radtex_addon.export.exporting import export_steps
 from radtex_addon.report.metrics import Picture, display
 from radtex_addon.scene.demo import OBJECT
+from radtex_addon.settings.spec import Kind
 from radtex_addon.textures.export_spec import ExportSpec, Target
 from tests.bench.gallery import looking
 from tests.bench.gallery.looking import rendered

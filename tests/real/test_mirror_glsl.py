@@ -18,12 +18,12 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.arrays import Floats
 from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.job import bake_object
 from radtex_addon.report.gbuffer import eroded
 from radtex_addon.report.metrics import display, psnr
+from radtex_addon.settings.spec import BakeSpec
 from tests.bench.gallery.looking import Camera, Place, added, empty_scene, principled, rendered
 from tests.real.opengl import VERSIONS, compiled, drawn
 

@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 
 from radtex_addon.bake.layers import Layer
-from radtex_addon.bake.spec import Kind, View
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.sampler import Filter, sample
 from radtex_addon.formats.bucket_files import read_layer
 from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.report.metrics import Picture
+from radtex_addon.settings.spec import Kind, View
 from tests.real.browser import Shown, decoded
 from tests.real.exhibit import CAMERAS, Camera, decibels
 from tests.real.kinds import LAYERS, KindBake, Sun

@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.errors import InputError
+from radtex_addon.settings.spec import BakeSpec
 from radtex_addon.store.bake_folder import BakeFolder, State
 from radtex_addon.store.checkpoint import Checkpoint
 from radtex_addon.store.checkpoint_files import KEY

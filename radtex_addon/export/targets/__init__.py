@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What each target's folder holds besides the mesh, the textures and the manifest, which all have.
 
-A target's module has the name of its row in `bake.targets.TARGETS`, and defines WRITER: docs/extending.md.
+A target's module has the name of its row in `settings.targets.TARGETS`, and defines WRITER:
+docs/extending.md.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 
-from ...bake.targets import Target
+from ...settings.targets import Target
 from ..pack import Pack, ScenePack
 
 

@@ -11,8 +11,8 @@ import shutil
 from collections.abc import Sequence
 from pathlib import Path
 
-from ...bake.kinds import Kind, Lit
 from ...core.quoting import godot_string, in_comment
+from ...settings.kinds import Kind, Lit
 from ..export_manifest import Manifest
 from ..pack import SHADERS, Pack, ScenePack, filled, write_text_file
 from . import Writer

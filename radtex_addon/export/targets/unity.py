@@ -10,12 +10,12 @@ from pathlib import Path
 
 import numpy as np
 
-from ...bake.kinds import Kind
-from ...bake.targets import Target
 from ...core.arrays import Floats
 from ...core.quoting import csharp_string, in_comment, shaderlab_string
 from ...formats.containers.glb import Glb
 from ...forms.hlsl_lookup import ARGUMENTS, HlslLookup, numbers
+from ...settings.kinds import Kind
+from ...settings.targets import Target
 from ..engines import file_lines
 from ..pack import SHADERS, Pack, filled, write_text_file
 from ..unity_unreal import (

@@ -15,13 +15,9 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ...bake.cost import Cost, cost_of_images
-from ...bake.forms import AMBIENT, FormTraits
-from ...bake.kinds import KINDS, Kind
 from ...bake.layers import WHOLE
 from ...bake.plan import MAX_IMAGE_SIDE
 from ...bake.progress import Progress
-from ...bake.spec import BakeSpec
 from ...core.arrays import Floats
 from ...core.atlas import AtlasLayout
 from ...core.hemisphere import occlusion
@@ -33,6 +29,10 @@ from ...formats.sidecar_file import SidecarFile
 from ...preview.lit_material import preview_ambient_material
 from ...preview.node_group import check_previewable
 from ...preview.osl import no_script
+from ...settings.cost import Cost, cost_of_images
+from ...settings.forms import AMBIENT, FormTraits
+from ...settings.kinds import KINDS, Kind
+from ...settings.spec import BakeSpec
 from ...textures.export_spec import Step
 from ..bake_job import BakeJob
 from ..buckets.form import Buckets, layout_in

@@ -15,11 +15,7 @@ from typing import Any
 import bpy
 import numpy as np
 
-from ...bake.cost import Cost, cost_of_images
-from ...bake.forms import BITS, FormTraits
-from ...bake.kinds import KINDS, Kind
 from ...bake.progress import Progress
-from ...bake.spec import BakeSpec
 from ...core.arrays import Floats
 from ...core.atlas import AtlasLayout
 from ...core.errors import InputError
@@ -38,6 +34,10 @@ from ...formats.sidecar import read_sidecar
 from ...formats.sidecar_file import SidecarFile
 from ...preview.lit_material import preview_shadow_material
 from ...preview.osl import no_script
+from ...settings.cost import Cost, cost_of_images
+from ...settings.forms import BITS, FormTraits
+from ...settings.kinds import KINDS, Kind
+from ...settings.spec import BakeSpec
 from ...textures.entry import Arranged, Container, TextureEntry
 from ...textures.export_spec import Arrangement, ExportSpec, Step, TextureFormat
 from ...textures.flat_lightmap import check_means, mean_of_buckets

@@ -19,7 +19,6 @@ from ...bake.piece_store import NO_STORE, PieceStore
 from ...bake.plan import CapturePlan, plan_capture
 from ...bake.progress import Progress, Stage, relayed
 from ...bake.session import BYTES_PER_PIXEL, Capture, capture_bands
-from ...bake.spec import BakeSpec, CaptureMethod
 from ...bake.thumbnail import Thumbnail
 from ...core.arrays import Floats
 from ...core.atlas import AtlasLayout
@@ -40,6 +39,7 @@ from ...scene.checks.see_through import has_volumes
 from ...scene.lights.light import is_dark
 from ...scene.proxy_content import show_content_only
 from ...scene.scratch import find_view_layer
+from ...settings.spec import BakeSpec, CaptureMethod
 from ..bake_job import BakeJob
 from ..outcome import Outcome
 from .previous_atlas import read_earlier, with_counts

@@ -10,12 +10,8 @@ from typing import Any
 
 import bpy
 
-from ...bake.cost import Cost, cost_of_images
-from ...bake.forms import BUCKETS, FormTraits
-from ...bake.kinds import KINDS, Kind, Light
 from ...bake.layers import OF_LAYER, WHOLE, Layer
 from ...bake.progress import Progress
-from ...bake.spec import BakeSpec
 from ...core.arrays import Floats
 from ...core.atlas import AtlasLayout
 from ...core.fragments import Fragments
@@ -30,6 +26,10 @@ from ...formats.sidecar_file import AnySidecar, SidecarFile
 from ...preview.material import preview_material
 from ...preview.node_group import check_previewable
 from ...preview.osl import add_osl_node
+from ...settings.cost import Cost, cost_of_images
+from ...settings.forms import BUCKETS, FormTraits
+from ...settings.kinds import KINDS, Kind, Light
+from ...settings.spec import BakeSpec
 from ...textures.entry import Arranged, TextureEntry
 from ...textures.export_spec import ExportSpec, Step, Target
 from ..bake_job import BakeJob

@@ -9,13 +9,13 @@ from pathlib import Path
 
 import numpy as np
 
-from ...bake.options import MARKED
 from ...core.arrays import Floats, Ints
 from ...core.errors import InputError
 from ...core.near_digest import is_same
 from ...formats.bucket_files import count_text, read_counts
 from ...formats.containers.exr import read_buckets
 from ...formats.sidecar import Sidecar
+from ...settings.options import MARKED
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,7 +18,6 @@ from ...bake.piece_store import PieceStore, PrefixedStore
 from ...bake.plan import CapturePlan, Tile, plan_capture
 from ...bake.progress import Progress, Stage, relayed
 from ...bake.session import fill_atlas
-from ...bake.spec import BakeSpec, Kind
 from ...bake.thumbnail import Thumbnail
 from ...core.arrays import Bools, Floats, Ints
 from ...core.errors import InputError
@@ -26,6 +25,7 @@ from ...core.texel_map import TexelMap
 from ...cycles.portal import PortalCapture
 from ...scene.checks.see_through import has_volumes
 from ...scene.scratch import scene_copied
+from ...settings.spec import BakeSpec, Kind
 from .previous_atlas import PreviousAtlas
 
 _CHANGED = "changed"  # a piece's name

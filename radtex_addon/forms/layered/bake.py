@@ -13,13 +13,13 @@ from dataclasses import replace
 from pathlib import Path
 
 from ...bake.progress import Progress, Stage
-from ...bake.spec import BakeSpec
 from ...core.arrays import Floats
 from ...core.atlas import AtlasLayout
 from ...core.errors import InputError
 from ...core.messages import Setting, do
 from ...formats.image_files import layer_path
 from ...formats.sidecar import Sidecar
+from ...settings.spec import BakeSpec
 from ..bake_job import BakeJob
 from ..buckets.previous_atlas import difference
 from ..outcome import Outcome

@@ -10,11 +10,7 @@ from typing import Any
 
 import bpy
 
-from ...bake.cost import Cost, cost_of_images
-from ...bake.forms import LAYERED, FormTraits
 from ...bake.progress import Progress
-from ...bake.rays import coarser, finer
-from ...bake.spec import BakeSpec
 from ...core.arrays import Floats
 from ...core.fragments import Fragments
 from ...core.surface import SurfaceMesh
@@ -23,6 +19,10 @@ from ...formats.image_files import Shapes, layer_path
 from ...formats.json_reader import Facts
 from ...formats.sidecar import Sidecar
 from ...formats.sidecar_file import SidecarFile, opened
+from ...settings.cost import Cost, cost_of_images
+from ...settings.forms import LAYERED, FormTraits
+from ...settings.rays import coarser, finer
+from ...settings.spec import BakeSpec
 from ...textures.entry import TextureEntry
 from ...textures.export_spec import ExportSpec, Step, Target
 from ..bake_job import BakeJob

@@ -14,7 +14,6 @@ from pathlib import Path
 
 import numpy as np
 
-from ...bake.rays import step_to
 from ...core.arrays import Floats, Ints
 from ...core.errors import InputError
 from ...core.fragments import Fragments
@@ -26,6 +25,7 @@ from ...formats.containers.exr import loss_of, stored_compression
 from ...formats.containers.texture import PixelFormat
 from ...formats.image_files import layer_path
 from ...formats.sidecar_file import SidecarFile
+from ...settings.rays import step_to
 from ...textures.choice import choose, in_blocks, light_in_blocks
 from ...textures.entry import TextureEntry
 from ...textures.export_spec import Arrangement, ExportSpec, Step, Task, TextureFormat

@@ -16,11 +16,9 @@ import bpy
 import numpy as np
 
 from ...bake.denoising import Denoiser, denoise_pictures, squares
-from ...bake.forms import SPHERE, FormTraits
 from ...bake.plan import CapturePlan
 from ...bake.progress import Progress, Stage
-from ...bake.spec import BakeSpec, View
-from ...bake.transfer_buckets import fit_buckets, mean_over_lights, view_shift, views_along
+from ...bake.transfer_buckets import fit_buckets, mean_over_lights, view_shift
 from ...core.arrays import Floats
 from ...core.atlas import AtlasLayout
 from ...core.errors import InputError
@@ -44,6 +42,8 @@ from ...formats.transfer_files import (
 from ...preview.node_group import check_previewable
 from ...scene.camera_place import find_camera_place
 from ...scene.scratch import scene_copied
+from ...settings.forms import SPHERE, FormTraits
+from ...settings.spec import BakeSpec, View
 from ...textures.entry import TextureEntry
 from ...textures.export_spec import Arrangement, ExportSpec, Step, Target
 from ...textures.flat_lightmap import check_means
@@ -86,7 +86,7 @@ def bake_transfer(job: BakeJob) -> Generator[Progress, None, Outcome]:
     """As `Form.bake`; every finished render is stored."""
     spec, prepared = job.spec, job.prepared
     eye = find_camera_place(job.scratch) if spec.view is View.CAMERA else None
-    views = views_along(spec.view)
+    views = spec.view.along
     plan = yield from prepared.plan_of_seen(views, job.folder, job.store)
     suns, shift = spec.bucket**2, view_shift(plan, eye)
     with scene_copied(job.scratch) as scene:
@@ -148,7 +148,7 @@ class Sphere(Buckets):
 
     def check_previewable(self, spec: BakeSpec) -> None:
         layout = AtlasLayout(spec.texels, spec.texels, spec.bucket)
-        check_previewable(with_views(layout, views_along(spec.view)))
+        check_previewable(with_views(layout, spec.view.along))
 
     def material(self, of: PreviewOf) -> bpy.types.Material:
         facts, atlas = read_transfer_sidecar(of.sidecar), of.sidecar.with_suffix(".exr")

@@ -10,9 +10,9 @@ from dataclasses import replace
 import bpy
 import numpy as np
 
-from ...bake.parts import Split, tile_name, tile_place
 from ...core.arrays import Bools, Floats, Ints
 from ...core.errors import InputError
+from ...settings.parts import Split, tile_name, tile_place
 from .copy import write_face_numbers
 from .evaluated import EvaluatedMesh
 

@@ -17,12 +17,12 @@ from functools import partial
 import numpy as np
 
 from ...bake.progress import Steps, in_a_thread
-from ...bake.spec import Unwrap
-from ...bake.texel_density import about_side, grown_side, rounded
 from ...core.arrays import Bools, Floats, blocks
 from ...core.errors import InputError
 from ...core.islands import areas_on_surface, find_overlap, signed_areas, weld
 from ...core.messages import Setting, do
+from ...settings.spec import Unwrap
+from ...settings.texel_density import about_side, grown_side, rounded
 from ..mesh.evaluated import EvaluatedMesh
 from ..mesh.flatten import (
     FlatIslands,

@@ -7,9 +7,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-from ...bake.texel_density import MOST_TEXELS
 from ...core.arrays import Floats
 from ...core.errors import InputError
+from ...settings.texel_density import MOST_TEXELS
 
 _CHAOTIC = 8_000  # triangles: above, one try may make too many islands; up to 2.5 times that, two are made
 _MANY = 30_000  # triangles above which island size is limited; without a limit xatlas takes minutes

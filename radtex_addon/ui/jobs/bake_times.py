@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Remember how long this machine's finished bakes took, for estimates: see `bake.bake_history`."""
+"""Remember how long this machine's finished bakes took, for estimates: see `settings.bake_history`."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from uuid import uuid4
 import bpy
 
 if TYPE_CHECKING:
-    from ...bake.estimate import Measurement
+    from ...settings.estimate import Measurement
     from ...worker.job import Job
 
 _FILE = "bake-times.jsonl"
@@ -32,7 +32,7 @@ def history_file() -> Path:
 
 def measured() -> tuple[Measurement, ...]:
     """All finished bakes of this machine, the latest last; read again when the file changes."""
-    from ...bake.bake_history import read_history
+    from ...settings.bake_history import read_history
 
     path = history_file()
     try:
@@ -74,10 +74,10 @@ def shown_triangles(scene: bpy.types.Scene, names: Sequence[str]) -> int:
 
 def remember_job(scene: BakedScene, job: Job, seconds: float) -> None:
     """Add a bake that a worker has finished in so many `seconds`, unless it went on with an earlier one."""
-    from ...bake.bake_history import remember
-    from ...bake.estimate import START, BakeWork, Measurement
-    from ...bake.spec import spec_in
     from ...formats.json_reader import Facts
+    from ...settings.bake_history import remember
+    from ...settings.estimate import START, BakeWork, Measurement
+    from ...settings.spec import spec_in
 
     facts, order = job.facts, job.order.facts
     if order["resume"] or not facts.get("covered_texels") or not facts.get("triangles"):

@@ -19,11 +19,11 @@ from ..panel.redraw import redraw
 from . import bake_times
 
 if TYPE_CHECKING:
-    from ...bake.estimate import BakeWork, Basis
-    from ...bake.spec import BakeSpec
     from ...core.messages import Message
     from ...job.probes import Probe
     from ...job.variants import Bake
+    from ...settings.estimate import BakeWork, Basis
+    from ...settings.spec import BakeSpec
     from ...worker.job import Job
     from ...worker.queue import Queue
 
@@ -72,7 +72,7 @@ def seconds_known(scene: bpy.types.Scene, bakes: Iterable[Bake]) -> KnownTime | 
     It is that of the whole job: the worker's start, the bake, and the preview, but no exports. Quick; nothing
     is measured.
     """
-    from ...bake.estimate import Basis, estimate
+    from ...settings.estimate import Basis, estimate
 
     place, history = bake_times.scene_key(scene.name), bake_times.measured()
     total, bases = 0.0, []
@@ -201,8 +201,8 @@ def _key(scene: bpy.types.Scene, name: str, spec: BakeSpec) -> Key:
 
 def _work_of(scene: bpy.types.Scene, name: str, spec: BakeSpec) -> BakeWork:
     """The bake's work: measured by a probe, else like that of its last bake, else a guess."""
-    from ...bake.estimate import BakeWork
     from ...cycles.device import preferred_device
+    from ...settings.estimate import BakeWork
 
     device = preferred_device() if spec.device == "auto" else spec.device
     preview: bool = scene.radtex.preview  # type: ignore[attr-defined]  # ours, not Blender's

@@ -105,7 +105,7 @@ def submit(scene: bpy.types.Scene, plans: Sequence[BakePlan], names: Sequence[st
 
 def is_being_baked(name: str, settings: BakeSettings) -> bool:
     """Whether a bake of the object, of the kind and the part that the settings ask for, waits or runs."""
-    from ...bake.kinds import is_default_kind
+    from ...settings.kinds import is_default_kind
     from ...worker.order import Work
 
     about = "" if is_default_kind(settings.kind) else settings.kind

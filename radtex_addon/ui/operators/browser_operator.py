@@ -128,8 +128,8 @@ def open_exported(job: Job) -> None:
 
 def _spec_like_before(source: ExportSource, out: Path) -> ExportSpec:
     """How to export for the web: with the layers and the mirror ball of an export that is replaced."""
-    from ...bake.choices import parse_layer
     from ...export.exporting import earlier_manifest
+    from ...settings.choices import parse_layer
     from ...textures.export_spec import ExportSpec, Target
 
     earlier = earlier_manifest(source, out)

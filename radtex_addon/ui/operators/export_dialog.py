@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 import bpy
 
 from ...bake.bake_title import bake_title, variant_title
-from ...bake.menu_items import KINDS
-from ...bake.targets import Target
+from ...settings.menu_items import KINDS
+from ...settings.targets import Target
 from ..panel.draw_messages import wrapped
 from ..panel.labels import iface_, remark, size
 
@@ -95,7 +95,7 @@ def applicable(
 
     `scene` is whether they are exported as one scene.
     """
-    from ...bake.kinds import KINDS as TABLE
+    from ...settings.kinds import KINDS as TABLE
 
     traits, names = Target(target).traits, {"limit"}
     forms = [source.form.traits for source in sources]

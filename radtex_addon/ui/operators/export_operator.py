@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import bpy
 from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
 
-from ...bake.menu_items import TARGETS
-from ...bake.targets import DEFAULT_TARGET, Target
+from ...settings.menu_items import TARGETS
+from ...settings.targets import DEFAULT_TARGET, Target
 from ..panel.labels import iface_, remark
 from ..settings.preferences import preferred, remember_export
 from .bake_lookup import in_object_mode

@@ -84,11 +84,11 @@ def submit_scene(
 
 def _sources_of(scene: bpy.types.Scene, called: str, bake: str) -> list[ExportSource]:
     """The bakes named `called`, one for each part or variant; of several kinds the panel's."""
-    from ...bake.spec import Kind
     from ...export.exporting import ExportSource
     from ...formats.sidecar import file_name
     from ...job.variants import variants_in
     from ...report.finished_bake import find_bakes
+    from ...settings.spec import Kind
 
     place, kind = bake_location(scene, bake, called), settings_for(scene, called).kind
     chosen_kind = place / file_name(called, kind, "json")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import bpy
 from bpy.props import EnumProperty
 
-from ...bake.menu_items import LAYERS
+from ...settings.menu_items import LAYERS
 from ..panel.labels import remark
 from .bake_lookup import bake_called, originals, sidecars_of
 from .bake_operator import shown

@@ -12,7 +12,7 @@ import bpy
 from .labels import iface_, remark
 
 if TYPE_CHECKING:
-    from ...bake.spec import BakeSpec
+    from ...settings.spec import BakeSpec
     from .layouts import Chosen
 
 _MOST = 8  # lines

@@ -14,8 +14,8 @@ from .labels import duration, iface_, number, remark, size
 from .main_panel import Sidebar, drawn
 
 if TYPE_CHECKING:
-    from ...bake.cost import Cost
-    from ...bake.estimate import Basis
+    from ...settings.cost import Cost
+    from ...settings.estimate import Basis
 
 
 _BASES = {

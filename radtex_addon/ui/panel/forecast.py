@@ -15,11 +15,11 @@ from .not_baked import not_baked
 from .panel_state import Forecast, Next
 
 if TYPE_CHECKING:
-    from ...bake.cost import Cost
-    from ...bake.estimate import Basis
-    from ...bake.spec import BakeSpec
     from ...job.bake_request import BakeRequest
     from ...job.left_out import LeftOut
+    from ...settings.cost import Cost
+    from ...settings.estimate import Basis
+    from ...settings.spec import BakeSpec
     from .layouts import Chosen
 
 _PATIENCE = 0.05  # seconds that examining the objects may take
@@ -212,7 +212,7 @@ def _joined(groups: Sequence[Forecast]) -> Forecast:
 
 def _vaguest(bases: Sequence[Basis | None]) -> Basis | None:
     """What the least certain of several estimates rests on; None if one of them has none."""
-    from ...bake.estimate import Basis
+    from ...settings.estimate import Basis
 
     known = [basis for basis in bases if basis is not None]
     return max(known, key=list(Basis).index) if len(known) == len(bases) else None

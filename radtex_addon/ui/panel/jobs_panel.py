@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import bpy
 
 from ...bake.bake_title import bake_title
-from ...bake.menu_items import KINDS, TARGETS
+from ...settings.menu_items import KINDS, TARGETS
 from ..jobs import browser, job_files, jobs, pictures
 from ..jobs.job_files import Fate
 from ..operators.switch import draw_show, draw_switch

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 from bpy.app import translations
 
-from ...bake.options import CALLED
 from ...core.messages import Message, Remedy, Setting, joined
+from ...settings.options import CALLED
 
 if TYPE_CHECKING:
     from ...core.errors import RadTexError

@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING, Any
 
 import bpy
 
-from ...bake.menu_items import LAYOUTS
+from ...settings.menu_items import LAYOUTS
 from .labels import iface_, remark
 
 if TYPE_CHECKING:
-    from ...bake.spec import BakeSpec
     from ...job import Choice
+    from ...settings.spec import BakeSpec
 
     Chosen = tuple[tuple[str, Choice], ...]
 

@@ -20,11 +20,11 @@ from bpy.app.handlers import persistent
 from .redraw import redraw
 
 if TYPE_CHECKING:
-    from ...bake.cost import Cost
-    from ...bake.estimate import Basis
-    from ...bake.spec import BakeSpec
     from ...core.messages import Message
     from ...job.left_out import LeftOut
+    from ...settings.cost import Cost
+    from ...settings.estimate import Basis
+    from ...settings.spec import BakeSpec
     from .not_baked import NotBaked
 
 _QUIET = 0.3  # seconds without a change before recomputing, so that dragging stays fluid

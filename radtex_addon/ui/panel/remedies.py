@@ -8,8 +8,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from ...bake.options import CALLED
 from ...core.messages import Message, Remedy, Setting
+from ...settings.options import CALLED
 from ..settings.bake_settings import BakeSettings
 from .labels import LABELS, iface_
 

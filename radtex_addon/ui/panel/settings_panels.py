@@ -8,10 +8,10 @@ from typing import Any
 
 import bpy
 
-from ...bake.forms import FormTraits
-from ...bake.kinds import Kind, Layout, form_in
-from ...bake.option import Fold
-from ...bake.options import OPTIONS, shown_in
+from ...settings.forms import FormTraits
+from ...settings.kinds import Kind, Layout, form_in
+from ...settings.option import Fold
+from ...settings.options import OPTIONS, shown_in
 from ..settings.bake_settings import BakeSettings
 from .draw_messages import draw_text
 from .main_panel import Sidebar, drawn

@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING, Any, cast
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
-from ...bake.choices import parse_kind, parse_layout
-from ...bake.kinds import Kind, Layout, form_in
-from ...bake.option import Option
-from ...bake.options import SHOWN
 from ...scene.mesh.named_regions import places_on
+from ...settings.choices import parse_kind, parse_layout
+from ...settings.kinds import Kind, Layout, form_in
+from ...settings.option import Option
+from ...settings.options import SHOWN
 from ..panel.panel_state import mark_stale
 from .update_callbacks import NOTICED
 

@@ -13,9 +13,9 @@ import bpy
 from bpy.app.handlers import persistent
 from bpy.props import EnumProperty, IntProperty, StringProperty
 
-from ...bake.menu_items import DEVICES, TARGETS
-from ...bake.targets import DEFAULT_TARGET
 from ...core.errors import InputError
+from ...settings.menu_items import DEVICES, TARGETS
+from ...settings.targets import DEFAULT_TARGET
 from ..panel.labels import iface_
 from .bake_settings import NAMES
 from .presets import STOCK, apply_preset

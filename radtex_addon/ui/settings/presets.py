@@ -18,8 +18,8 @@ from bl_operators.presets import AddPresetBase
 from bl_ui.utils import PresetPanel
 from bpy.props import StringProperty
 
-from ...bake.options import SHOWN
 from ...core.errors import InputError
+from ...settings.options import SHOWN
 from ..operators.undo import push_step
 from ..panel.labels import remark
 from .bake_settings import NAMES

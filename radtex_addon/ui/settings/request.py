@@ -11,19 +11,19 @@ from typing import Any, cast
 
 import bpy
 
-from ...bake.choices import parse_kind, parse_layout
-from ...bake.cost import check_memory
-from ...bake.forms import FormTraits
-from ...bake.frame_numbers import parse_frames
-from ...bake.kinds import Kind, KindTraits, Layout, form_in
-from ...bake.options import DEFAULT_FOLDER, OPTIONS, BakeOptions
-from ...bake.spec import BakeSpec, Layer
 from ...core.errors import InputError
 from ...core.sampler import Filter
 from ...job import OpenLayout
 from ...job.bake_request import BakeRequest
 from ...scene.lights.lamps import EACH
 from ...scene.proxy_content import EVERYTHING
+from ...settings.choices import parse_kind, parse_layout
+from ...settings.cost import check_memory
+from ...settings.forms import FormTraits
+from ...settings.frame_numbers import parse_frames
+from ...settings.kinds import Kind, KindTraits, Layout, form_in
+from ...settings.options import DEFAULT_FOLDER, OPTIONS, BakeOptions
+from ...settings.spec import BakeSpec, Layer
 from ...store.ownership import blend_folder_name, former_folder, open_blend
 from ...textures.export_spec import Target
 from .bake_settings import NAMES, BakeSettings, suited_bucket

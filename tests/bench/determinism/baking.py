@@ -21,8 +21,8 @@ from typing import Any, TypeAlias
 import bpy
 import pytest
 
-from radtex_addon.bake.spec import BakeSpec, CaptureMethod, Kind, Layer, Layout, Split
 from radtex_addon.job import bake_object
+from radtex_addon.settings.spec import BakeSpec, CaptureMethod, Kind, Layer, Layout, Split
 from tests.bench.determinism.scenes import BODY, CORE
 from tests.blender import surroundings
 

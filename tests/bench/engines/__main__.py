@@ -29,8 +29,8 @@ from pathlib import Path
 import numpy as np
 from playwright.sync_api import sync_playwright
 
-from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.report.metrics import Picture
+from radtex_addon.settings.spec import BakeSpec
 from radtex_addon.textures.export_spec import TextureFormat
 from tests.bench.fidelity.choice import names_of
 from tests.bench.fidelity.pictures import SAMPLES

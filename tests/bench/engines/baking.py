@@ -13,11 +13,11 @@ from typing import cast
 
 import bpy
 
-from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.sampler import Filter
 from radtex_addon.export.exporting import export_steps
 from radtex_addon.job import OpenLayout, OutputFiles, bake_object, choose_layout
 from radtex_addon.report.finished_bake import Finished, read_bake
+from radtex_addon.settings.spec import BakeSpec
 from radtex_addon.textures.export_spec import ExportSpec, Target, TextureFormat
 from tests.bench.fidelity.scenes import Stage
 

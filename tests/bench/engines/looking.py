@@ -12,12 +12,12 @@ from typing import Any, cast
 import bpy
 import numpy as np
 
-from radtex_addon.bake.spec import Layout
 from radtex_addon.forms.layered.files.layered_files import read_layered
 from radtex_addon.report.finished_bake import Finished
 from radtex_addon.report.gbuffer import Array, BakedSurface, GBuffer
 from radtex_addon.report.metrics import Mask, Picture, psnr
 from radtex_addon.scene.preview_file import baked_copy
+from radtex_addon.settings.spec import Layout
 from tests.bench.fidelity.composite import seen_light
 from tests.bench.fidelity.method import Baked
 from tests.bench.fidelity.methods.layered import look_alpha

@@ -15,8 +15,6 @@ import numpy as np
 
 from radtex_addon.bake.plan import plan_capture
 from radtex_addon.bake.progress import finished
-from radtex_addon.bake.rays import FINER
-from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.sampler import bilinear
 from radtex_addon.cycles.path_ends import Body
@@ -27,6 +25,8 @@ from radtex_addon.prepare.unwrapping import Unwraps
 from radtex_addon.report.gbuffer import Array, GBuffer
 from radtex_addon.scene.objects import find_object
 from radtex_addon.scene.scratch import scratch_scene
+from radtex_addon.settings.rays import FINER
+from radtex_addon.settings.spec import BakeSpec
 
 from .engine_material import Inputs, read_inputs
 from .lightmaps import texture_bytes

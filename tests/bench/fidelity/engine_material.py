@@ -20,13 +20,13 @@ import bpy
 import numpy as np
 
 from radtex_addon.bake.plan import CapturePlan, Tile
-from radtex_addon.bake.spec import Kind
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import InputError
 from radtex_addon.cycles.capture_settings import first_hit_only
 from radtex_addon.cycles.portal import Aim, PortalCapture
 from radtex_addon.scene.nodes import NodeBuilder, Operand, Socket
 from radtex_addon.scene.scratch import scene_copied
+from radtex_addon.settings.spec import Kind
 
 _COLOUR = ("Base Color",)
 _SURFACE = ("Metallic", "Roughness", "Transmission Weight")

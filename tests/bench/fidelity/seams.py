@@ -27,7 +27,6 @@ import numpy as np
 from PIL import Image
 
 from radtex_addon.bake.progress import finished
-from radtex_addon.bake.spec import BakeSpec, Layout, Unwrap
 from radtex_addon.core.arrays import Floats, Ints
 from radtex_addon.core.fragments import Fragments
 from radtex_addon.core.frame import normalised, orthonormal_frame
@@ -39,6 +38,7 @@ from radtex_addon.forms.layered.fit.fitting import fit_layered
 from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas, sample_layered
 from radtex_addon.report.gbuffer import BakedSurface, GBuffer
 from radtex_addon.report.metrics import Mask, Picture, display
+from radtex_addon.settings.spec import BakeSpec, Layout, Unwrap
 
 from .choice import add_scene_options, chosen_scenes
 from .composite import seen_light

@@ -12,12 +12,10 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from radtex_addon.bake.kinds import Kind
 from radtex_addon.bake.light_samples import EndSamples, LightSamples, mirrored, spread_shifts
 from radtex_addon.bake.piece_store import Arrays
 from radtex_addon.bake.plan import CapturePlan, Tile, plan_capture
 from radtex_addon.bake.progress import Progress, Stage, relayed
-from radtex_addon.bake.rays import PROBE_CELLS, PROBES
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.frame import fallback_tangent, orthonormal_frame
@@ -39,6 +37,8 @@ from radtex_addon.cycles.sampling import (
 from radtex_addon.forms.layered.capture.capturing import reach_of
 from radtex_addon.scene.mesh.render_contents import read_beside
 from radtex_addon.scene.scratch import scene_copied
+from radtex_addon.settings.kinds import Kind
+from radtex_addon.settings.rays import PROBE_CELLS, PROBES
 
 NEARNESS_SIZE = 64  # cells along a side of a `nearness_map`
 _NEAR_SIZE = 64  # cells along a side of the map of near things

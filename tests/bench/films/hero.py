@@ -19,13 +19,13 @@ import bpy
 import numpy as np
 from PIL import Image, ImageDraw
 
-from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.sampler import Filter
 from radtex_addon.job import bake_object
 from radtex_addon.preview.swap import switch_on
 from radtex_addon.report.gbuffer import eroded
 from radtex_addon.report.metrics import Mask, Picture, psnr
 from radtex_addon.scene.nodes import open_material
+from radtex_addon.settings.spec import BakeSpec, Layout
 
 from ..gallery.looking import Camera, rendered
 from . import still_life

@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.sampler import Filter, sample
@@ -20,6 +19,7 @@ from radtex_addon.forms.layered.files.layered_files import read_layered
 from radtex_addon.forms.layered.lookup.atlas import alpha_at, sample_layered
 from radtex_addon.report.gbuffer import Array, GBuffer
 from radtex_addon.report.metrics import Picture
+from radtex_addon.settings.spec import BakeSpec, Layout
 
 from .looking import (
     PIXELS,

@@ -16,7 +16,6 @@ from typing import Any, cast
 import bpy
 import numpy as np
 
-from radtex_addon.bake.spec import BakeSpec, Kind
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.frame import normalised
@@ -25,6 +24,7 @@ from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.report.gbuffer import GBuffer
 from radtex_addon.report.metrics import Picture
 from radtex_addon.scene.nodes import open_world
+from radtex_addon.settings.spec import BakeSpec, Kind
 from tests.blender import stage
 
 from .looking import FILM_PIXELS, SUBJECT, Baked, Camera, added, baked, empty_scene, filmed, rendered

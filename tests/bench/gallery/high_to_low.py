@@ -14,8 +14,8 @@ from typing import Any
 
 import bpy
 
-from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.report.finished_bake import read_bake
+from radtex_addon.settings.spec import BakeSpec, Layout
 
 from .looking import SUBJECT, Camera, added, baked, empty_scene, lamp, principled, rendered
 from .row import Row, Use

@@ -15,12 +15,12 @@ from typing import Any, cast
 import bpy
 import numpy as np
 
-from radtex_addon.bake.spec import BakeSpec, Kind
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.sampler import Filter, sample
 from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.report.gbuffer import GBuffer
 from radtex_addon.report.metrics import Picture
+from radtex_addon.settings.spec import BakeSpec, Kind
 
 from .looking import (
     FILM_PIXELS,

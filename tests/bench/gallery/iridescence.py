@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from radtex_addon.bake.spec import BakeSpec, Layout
+from radtex_addon.settings.spec import BakeSpec, Layout
 
 from .looking import SUBJECT, Camera, added, empty_scene, lamp, opaque_rows, principled
 from .row import Row

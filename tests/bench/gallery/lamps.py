@@ -18,11 +18,11 @@ from typing import Any
 import bpy
 import numpy as np
 
-from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.arrays import Floats
 from radtex_addon.report.finished_bake import read_bake
 from radtex_addon.report.gbuffer import Array, GBuffer
 from radtex_addon.scene.lights.lamps import WORLD, each_light
+from radtex_addon.settings.spec import BakeSpec, Layout
 
 from .looking import (
     FILM_PIXELS,

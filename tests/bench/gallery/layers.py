@@ -13,7 +13,6 @@ import bpy
 import numpy as np
 
 from radtex_addon.bake.layers import Layer
-from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.sampler import Filter, sample
 from radtex_addon.cycles.building_blocks import render_layers
@@ -22,6 +21,7 @@ from radtex_addon.cycles.passes import Passes, attributes_of, light_of
 from radtex_addon.formats.bucket_files import read_layer
 from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.report.gbuffer import Array, GBuffer
+from radtex_addon.settings.spec import BakeSpec
 
 from .looking import PIXELS, SUBJECT, Baked, Camera, added, baked, empty_scene, lamp, principled
 from .row import Row

@@ -17,7 +17,6 @@ import numpy as np
 from mathutils import Vector
 
 from radtex_addon.bake.progress import finished
-from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.formats.containers.exr import read_render
 from radtex_addon.job import bake_object
 from radtex_addon.prepare.prepared import prepare
@@ -26,6 +25,7 @@ from radtex_addon.report.gbuffer import Array, BakedSurface, GBuffer, Rays
 from radtex_addon.scene.nodes import open_world
 from radtex_addon.scene.objects import find_object
 from radtex_addon.scene.scratch import scratch_scene
+from radtex_addon.settings.spec import BakeSpec
 
 from .row import Row, Use
 

@@ -22,13 +22,13 @@ import bmesh
 import bpy
 import numpy as np
 
-from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.sampler import Filter
 from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.report.gbuffer import Array, Rays, eroded
 from radtex_addon.report.metrics import Mask, psnr
+from radtex_addon.settings.spec import BakeSpec
 from tests.reference.hits import sample_hit
 
 from .looking import (

@@ -18,13 +18,13 @@ from typing import Any
 import bpy
 import numpy as np
 
-from radtex_addon.bake.spec import BakeSpec, Kind
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.sampler import Filter, sample
 from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.report.gbuffer import Array, GBuffer
 from radtex_addon.report.metrics import Picture
+from radtex_addon.settings.spec import BakeSpec, Kind
 from tests.reference.levels import level_chain
 
 from .hull import UV_LAYER, wrap_hull

@@ -24,7 +24,6 @@ from mathutils import Vector
 
 from radtex_addon.bake.plan import CapturePlan
 from radtex_addon.bake.progress import finished
-from radtex_addon.bake.spec import BakeSpec, Kind
 from radtex_addon.core.arrays import Floats, Ints
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.frame import to_frame
@@ -40,6 +39,7 @@ from radtex_addon.report.metrics import Picture
 from radtex_addon.scene.nodes import open_world
 from radtex_addon.scene.objects import find_object
 from radtex_addon.scene.scratch import scratch_scene
+from radtex_addon.settings.spec import BakeSpec, Kind
 from tests.blender import stage
 from tests.blender.casting import all_meshes, blocked, plan_of_bake
 from tests.reference.shadows import (

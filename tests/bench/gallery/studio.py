@@ -14,7 +14,7 @@ from typing import Any, cast
 import bpy
 import numpy as np
 
-from radtex_addon.bake.spec import BakeSpec, Layout
+from radtex_addon.settings.spec import BakeSpec, Layout
 
 from ..fidelity.scenes.meshes import lathe, mesh_object
 from .looking import SUBJECT, Camera, added, empty_scene, opaque_rows, principled, studio, tiles

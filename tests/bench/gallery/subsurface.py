@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 import bpy
 
-from radtex_addon.bake.spec import BakeSpec, Layout
+from radtex_addon.settings.spec import BakeSpec, Layout
 
 from .looking import SUBJECT, Camera, added, empty_scene, lamp, opaque_rows, principled
 from .row import Row

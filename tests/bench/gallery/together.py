@@ -13,13 +13,13 @@ from typing import Any, cast
 import bpy
 import numpy as np
 
-from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.sampler import Filter
 from radtex_addon.formats.sidecar import Sidecar, preview_path
 from radtex_addon.job import bake_object
 from radtex_addon.report.finished_bake import read_bake
 from radtex_addon.report.gbuffer import BakedSurface, GBuffer
 from radtex_addon.scene.preview_file import baked_copy
+from radtex_addon.settings.spec import BakeSpec, Layout
 
 from .looking import Camera, added, empty_scene, principled, rendered, studio
 from .row import Row, Use

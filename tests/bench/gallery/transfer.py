@@ -19,7 +19,6 @@ import numpy as np
 from mathutils import Vector
 
 from radtex_addon.bake.progress import finished
-from radtex_addon.bake.spec import BakeSpec, Kind
 from radtex_addon.core.frame import to_frame
 from radtex_addon.formats.containers.exr import read_render
 from radtex_addon.formats.transfer_files import read_transfer
@@ -29,6 +28,7 @@ from radtex_addon.report.gbuffer import BakedSurface, Rays
 from radtex_addon.report.metrics import Mask, Picture
 from radtex_addon.scene.objects import find_object
 from radtex_addon.scene.scratch import scratch_scene
+from radtex_addon.settings.spec import BakeSpec, Kind
 from tests.reference.relighting import relight
 
 from .looking import FRAMES, Place

@@ -13,12 +13,12 @@ from typing import Any, cast
 import bpy
 import numpy as np
 
-from radtex_addon.bake.spec import BakeSpec, Layout, Split
 from radtex_addon.core.sampler import Filter
 from radtex_addon.job import bake_object, part_specs
 from radtex_addon.report.finished_bake import read_bake
 from radtex_addon.report.gbuffer import Array, eroded
 from radtex_addon.report.metrics import Mask
+from radtex_addon.settings.spec import BakeSpec, Layout, Split
 
 from .looking import PIXELS, SUBJECT, Camera, added, empty_scene, principled, rendered, studio
 from .row import Row, Use

@@ -6,8 +6,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.scene.nodes import open_material
+from radtex_addon.settings.spec import BakeSpec
 
 from .looking import SUBJECT, Camera, added, empty_scene, lamp, opaque_rows, principled
 from .row import Row

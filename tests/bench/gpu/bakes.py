@@ -22,7 +22,6 @@ from typing import Any, cast
 import bpy
 import numpy as np
 
-from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.octahedron import cell_directions, direction_to_octahedron, sample_octahedron
 from radtex_addon.core.sampler import Filter
@@ -35,6 +34,7 @@ from radtex_addon.forms.layered.lookup.environment import Around
 from radtex_addon.forms.layered.shader_values import DEFAULT, FULL, Stored, shader_facts
 from radtex_addon.job import bake_object
 from radtex_addon.report.finished_bake import Finished, find_bake, read_bake
+from radtex_addon.settings.spec import BakeSpec, Layout
 
 from ..baked_model import read_model
 from ..fidelity.reflection_probe import prefiltered

@@ -28,7 +28,6 @@ from mathutils import Vector
 
 from radtex_addon.bake.plan import Tile, plan_capture
 from radtex_addon.bake.progress import finished
-from radtex_addon.bake.spec import BakeSpec, Kind, Layout
 from radtex_addon.core.texel_map import rasterise
 from radtex_addon.cycles.capture_settings import apply_capture_settings
 from radtex_addon.cycles.device import use_device
@@ -37,6 +36,7 @@ from radtex_addon.job import bake_object
 from radtex_addon.prepare.prepared import prepare
 from radtex_addon.scene.objects import find_object
 from radtex_addon.scene.scratch import scratch_scene
+from radtex_addon.settings.spec import BakeSpec, Kind, Layout
 
 from .scenes import SCENES, Staged
 

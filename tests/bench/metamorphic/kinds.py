@@ -12,10 +12,10 @@ from typing import Any
 import bpy
 import numpy as np
 
-from radtex_addon.bake.spec import BakeSpec, CaptureMethod, Kind, Layer, Split
 from radtex_addon.core.arrays import Floats
 from radtex_addon.formats.containers.exr import read_atlas
 from radtex_addon.job import bake_object
+from radtex_addon.settings.spec import BakeSpec, CaptureMethod, Kind, Layer, Split
 from tests.bench.metamorphic.scenes import BODY
 from tests.bench.metamorphic.trial import SPEC, Outcome, Relation, Trial, nearly, same_bits, same_light
 from tests.blender import stage

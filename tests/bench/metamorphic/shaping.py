@@ -9,7 +9,7 @@ from typing import Any
 import bpy
 import numpy as np
 
-from radtex_addon.bake.spec import BakeSpec
+from radtex_addon.settings.spec import BakeSpec
 from tests.bench.metamorphic.scenes import BODY
 from tests.bench.metamorphic.trial import Outcome, Relation, Trial, nearly, same_bits, same_light
 from tests.blender.casting import plan_of_bake

@@ -13,10 +13,10 @@ from typing import Any, TypeAlias
 import bpy
 import numpy as np
 
-from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.arrays import Floats
 from radtex_addon.formats.containers.exr import read_atlas
 from radtex_addon.job import bake_object
+from radtex_addon.settings.spec import BakeSpec
 from tests.bench.metamorphic.scenes import BODY, build
 
 SPEC = BakeSpec(texels=12, bucket=4, samples=8, half=False, uv_layer="UVMap")

@@ -16,12 +16,12 @@ import bpy
 import numpy as np
 
 from radtex_addon.bake.progress import finished
-from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.sampler import Filter
 from radtex_addon.forms.layered.fit.fitting import fit_layered
 from radtex_addon.prepare.unwrapping import Unwraps
 from radtex_addon.report.gbuffer import BakedSurface, GBuffer
 from radtex_addon.report.metrics import Picture, compare
+from radtex_addon.settings.spec import BakeSpec, Layout
 
 from ..fidelity.captured import capture_stage
 from ..fidelity.composite import seen_light

@@ -15,7 +15,7 @@ from typing import Any
 
 import bpy
 
-from radtex_addon.bake.spec import BakeSpec, Layout, Unwrap
+from radtex_addon.settings.spec import BakeSpec, Layout, Unwrap
 from tests.bench.gallery.looking import (
     SUBJECT,
     Camera,

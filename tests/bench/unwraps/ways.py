@@ -12,7 +12,6 @@ import bpy
 import numpy as np
 
 from radtex_addon.bake.progress import finished
-from radtex_addon.bake.spec import Unwrap
 from radtex_addon.core.arrays import Floats, Ints
 from radtex_addon.core.islands import signed_areas, surface_areas, uv_islands, weld
 from radtex_addon.scene.mesh.blender_unwrap import Way, unwrapped_by_blender
@@ -22,6 +21,7 @@ from radtex_addon.scene.scratch import scratch_scene
 from radtex_addon.scene.uv.island_packing import pack_islands, packed_closer
 from radtex_addon.scene.uv.unwrap import unwrap_steps
 from radtex_addon.scene.uv.unwrap_options import UnwrapOptions, Unwrapped
+from radtex_addon.settings.spec import Unwrap
 
 Unwrapper = Callable[[bpy.types.Object, EvaluatedMesh, int], Unwrapped]
 

@@ -7,11 +7,8 @@ from __future__ import annotations
 from collections.abc import Generator
 from dataclasses import replace
 
-from radtex_addon.bake.forms import FORMS
-from radtex_addon.bake.kinds import KINDS, Kind
 from radtex_addon.bake.progress import Progress, Stage
 from radtex_addon.bake.session import fill_atlas
-from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.formats.bucket_files import write_buckets
 from radtex_addon.formats.json_reader import Facts
@@ -20,6 +17,9 @@ from radtex_addon.forms.buckets.bake import capture_of
 from radtex_addon.forms.buckets.form import Buckets
 from radtex_addon.forms.form import Form
 from radtex_addon.forms.outcome import Outcome
+from radtex_addon.settings.forms import FORMS
+from radtex_addon.settings.kinds import KINDS, Kind
+from radtex_addon.settings.spec import BakeSpec
 
 
 class Mean(Buckets):

@@ -18,8 +18,6 @@ from ....bake.light_samples import EndSamples, LightSamples
 from ....bake.piece_store import NO_STORE, Arrays, PieceStore
 from ....bake.plan import CapturePlan, plan_capture
 from ....bake.progress import Progress, Stage, relayed
-from ....bake.rays import PROBE_CELLS, PROBES, LayeredRays, coarser, finer
-from ....bake.spec import BakeSpec
 from ....bake.thumbnail import Thumbnail
 from ....core.arrays import Bools, Floats, Ints
 from ....core.texel_map import TexelMap
@@ -31,6 +29,8 @@ from ....scene.lights.light import is_dark
 from ....scene.mesh.joined import values_in
 from ....scene.mesh.render_contents import matrices_in_renders, top_of_render
 from ....scene.scratch import find_view_layer, scene_copied
+from ....settings.rays import PROBE_CELLS, PROBES, LayeredRays, coarser, finer
+from ....settings.spec import BakeSpec
 from ..cells import EXIT_CELLS, OWN_RAYS, OWN_SIDE
 from ..fit.through import lets_through
 from ..lookup.environment import Around

@@ -19,7 +19,6 @@ import bpy
 import numpy as np
 
 from ....bake.plan import CapturePlan
-from ....bake.spec import Kind
 from ....core.arrays import Floats
 from ....core.colour_spaces import LUMINANCE
 from ....cycles.passes import Passes, raw_light_of
@@ -28,6 +27,7 @@ from ....cycles.portal import Aim, PortalCapture
 from ....cycles.sampling import LOBES, MIRRORED, THROUGH, tiles_of
 from ....scene.mesh.render_contents import RAYS, Placed, Shape
 from ....scene.scratch import scene_copied
+from ....settings.spec import Kind
 from ..samples import ExitSamples
 
 _WIDER = 1.5  # times the object's radius: the sphere's

@@ -19,7 +19,6 @@ import bpy
 import numpy as np
 
 from ....bake.plan import MIN_IMAGE_SIDE, CapturePlan
-from ....bake.spec import Kind
 from ....core.arrays import Bools, Floats, Ints
 from ....core.atlas import AtlasLayout
 from ....core.frame import fallback_tangent, orthonormal_frame
@@ -33,6 +32,7 @@ from ....scene.lights.linking import lights
 from ....scene.mesh.mesh_checks import FARTHEST
 from ....scene.mesh.render_contents import Shown, read_render
 from ....scene.regroup import regroup
+from ....settings.spec import Kind
 from ..lookup.environment import MOST_LAMPS, Lamp, lamps_of
 from .hidden_lamps import Target, hidden_lamps
 from .own_rays import dark_world

@@ -16,7 +16,6 @@ import bpy
 import numpy as np
 
 from ....bake.plan import CapturePlan
-from ....bake.spec import Kind
 from ....core.arrays import Floats
 from ....core.hemisphere import square_to_direction
 from ....cycles.capture_settings import first_hit_only
@@ -25,6 +24,7 @@ from ....cycles.path_ends import Body, path_ends
 from ....cycles.portal import Aim, PortalCapture
 from ....cycles.sampling import straight_shifts, tiles_of
 from ....scene.checks.camera_checks import Outputs, nodes_asked
+from ....settings.spec import Kind
 from .own_rays import dark_world
 from .surface_alone import Clear
 

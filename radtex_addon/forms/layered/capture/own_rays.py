@@ -12,7 +12,6 @@ from typing import Any, cast
 import bpy
 import numpy as np
 
-from ....bake.kinds import Kind
 from ....bake.light_samples import Axis, LobeSamples, spread_shifts
 from ....bake.plan import CapturePlan, plan_of_some
 from ....core.arrays import Bools, Floats, Ints
@@ -24,6 +23,7 @@ from ....cycles.portal import Aim, PortalCapture
 from ....cycles.sampling import tiles_of
 from ....scene.mesh.backs import fronts, twin_numbers
 from ....scene.nodes import open_material, open_world
+from ....settings.kinds import Kind
 from ..samples import OwnRays
 
 _AHEAD = 5  # of the bake's seed

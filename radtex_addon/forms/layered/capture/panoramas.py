@@ -16,7 +16,6 @@ import bpy
 import numpy as np
 from mathutils import Euler, Matrix, Vector
 
-from ....bake.rays import NEAR_SAMPLES, NEAR_WIDTH, WORLD_WIDTH
 from ....core.arrays import Floats, Ints
 from ....core.errors import BakeError
 from ....cycles.building_blocks import render_layers
@@ -31,6 +30,7 @@ from ....scene.mesh.render_contents import Shape, Shown, read_render
 from ....scene.objects import is_rendered
 from ....scene.regroup import regroup
 from ....scene.scratch import find_view_layer, scene_copied
+from ....settings.rays import NEAR_SAMPLES, NEAR_WIDTH, WORLD_WIDTH
 from ..cells import PICTURE_SIZE
 from ..lookup.environment import Impostor, Layer, Pictures, Plane
 

@@ -12,13 +12,13 @@ import bpy
 import numpy as np
 from mathutils.kdtree import KDTree
 
-from ....bake.kinds import Kind
 from ....bake.plan import CapturePlan
 from ....core.arrays import Floats, Ints
 from ....cycles.path_ends import Body, path_ends
 from ....cycles.portal import PortalCapture
 from ....cycles.sampling import tiles_of
 from ....scene.nodes import open_material
+from ....settings.kinds import Kind
 from ..samples import OwnRays
 from .own_rays import dark_world, light_along, own_aim, own_samples
 

@@ -18,10 +18,10 @@ from ....bake.blocks import SAMPLES_AT_ONCE, side_by_side
 from ....bake.light_samples import Some
 from ....bake.plan import CapturePlan, plan_of_some
 from ....bake.pooling import Blur, Neighbours, Taps, corner_and_fractions, corner_cells, corners
-from ....bake.rays import side_in
 from ....core.arrays import Bools, Floats, Ints
 from ....core.atlas import AtlasLayout
 from ....core.gutter import dilate, nearest_covered
+from ....settings.rays import side_in
 
 _Result = TypeVar("_Result")
 

@@ -15,10 +15,10 @@ from ....bake.light_samples import EndSamples
 from ....bake.plan import CapturePlan
 from ....bake.pooling import Neighbours
 from ....bake.progress import Progress, Stage
-from ....bake.rays import coarser
 from ....core.arrays import Bools, Floats
 from ....core.colour_spaces import LUMINANCE
 from ....core.octahedron import cell_directions
+from ....settings.rays import coarser
 from ..cells import CELLS
 from ..lookup.atlas import LayeredAtlas
 from ..lookup.environment import Around

@@ -19,11 +19,11 @@ from pathlib import Path
 import numpy as np
 
 from radtex_addon.bake.progress import finished
-from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.forms.layered.fit.buckets import Parts
 from radtex_addon.forms.layered.fit.fitting import fit_layered
 from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas
 from radtex_addon.report.gbuffer import BakedSurface
+from radtex_addon.settings.spec import BakeSpec, Layout
 
 from ..choice import add_scene_options, chosen_scenes
 from ..composite import seen_light

@@ -12,13 +12,13 @@ import bpy
 import numpy as np
 
 from radtex_addon.bake.progress import finished
-from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.arrays import Floats
 from radtex_addon.forms.layered.capture.capturing import Captured, capture_layered
 from radtex_addon.prepare.prepared import Prepared, prepare
 from radtex_addon.prepare.unwrapping import Unwraps
 from radtex_addon.scene.objects import find_object
 from radtex_addon.scene.scratch import scratch_scene
+from radtex_addon.settings.spec import BakeSpec
 
 from ..scenes import Stage
 

@@ -21,7 +21,6 @@ import numpy as np
 from mathutils import Matrix
 
 from radtex_addon.bake.progress import finished
-from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.errors import BakeError
 from radtex_addon.formats.containers.exr import read_render
 from radtex_addon.prepare.prepared import prepare
@@ -29,6 +28,7 @@ from radtex_addon.report.gbuffer import Array, GBuffer
 from radtex_addon.report.metrics import Picture
 from radtex_addon.scene.objects import find_object
 from radtex_addon.scene.scratch import scratch_scene
+from radtex_addon.settings.spec import BakeSpec
 
 from ..method import Baked
 from ..scenes import Stage

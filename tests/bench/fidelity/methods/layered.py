@@ -12,7 +12,6 @@ from time import perf_counter
 import numpy as np
 
 from radtex_addon.bake.progress import finished
-from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.arrays import Ints
 from radtex_addon.core.fragments import Fragments
 from radtex_addon.forms.layered.fit.buckets import ALL_PARTS, Parts
@@ -20,6 +19,7 @@ from radtex_addon.forms.layered.fit.fitting import fit_layered
 from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas, alpha_at, sample_layered
 from radtex_addon.report.gbuffer import Array, GBuffer
 from radtex_addon.scene.checks.camera_checks import camera_materials
+from radtex_addon.settings.spec import BakeSpec, Layout
 
 from ..layered.sizes import texture_bytes
 from ..layered.staged import Staged, capture_staged

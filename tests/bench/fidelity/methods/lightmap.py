@@ -13,10 +13,10 @@ from __future__ import annotations
 import numpy as np
 
 from radtex_addon.bake.pooling import Neighbours
-from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.sampler import bilinear
 from radtex_addon.forms.layered.fit.view_dependence import pooled
 from radtex_addon.report.gbuffer import Array, GBuffer
+from radtex_addon.settings.spec import BakeSpec
 
 from ..captured import Captured, OfCapture
 from ..lightmaps import diffuse_map, means, sample_weights, texture_bytes, up_to_white

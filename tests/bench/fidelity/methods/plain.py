@@ -12,13 +12,13 @@ import bpy
 import numpy as np
 
 from radtex_addon.bake.progress import Stage as JobStage
-from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.sampler import Filter, sample
 from radtex_addon.formats.containers.exr import read_atlas
 from radtex_addon.job import bake_object
 from radtex_addon.report.gbuffer import Array, GBuffer
+from radtex_addon.settings.spec import BakeSpec
 
 from ..method import Baked
 from ..scenes import Stage

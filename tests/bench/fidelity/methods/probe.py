@@ -13,10 +13,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.sampler import bilinear
 from radtex_addon.report.gbuffer import Array, GBuffer
+from radtex_addon.settings.spec import BakeSpec
 
 from ..captured import Captured, OfCapture
 from ..engine_material import Inputs

@@ -15,11 +15,11 @@ from __future__ import annotations
 import numpy as np
 
 from radtex_addon.bake.plan import CapturePlan
-from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.hemisphere import square_to_direction
 from radtex_addon.core.sampler import bilinear
 from radtex_addon.report.gbuffer import Array, GBuffer
+from radtex_addon.settings.spec import BakeSpec
 
 from ..captured import Captured, OfCapture
 from ..directional import fitted_equations, gaussians, lobe_axes, solve_non_negative

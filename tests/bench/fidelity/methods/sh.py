@@ -13,10 +13,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.hemisphere import square_to_direction
 from radtex_addon.core.sampler import bilinear
 from radtex_addon.report.gbuffer import Array, GBuffer
+from radtex_addon.settings.spec import BakeSpec
 
 from ..captured import Captured, OfCapture
 from ..directional import fitted_equations, harmonics, solve_with_ridge

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from radtex_addon.bake.spec import BakeSpec
+from radtex_addon.settings.spec import BakeSpec
 
 from ..captured import OfCapture
 from .sh import of_capture

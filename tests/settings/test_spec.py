@@ -11,22 +11,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from radtex_addon.bake import cost
-from radtex_addon.bake.cost import check_memory
 from radtex_addon.bake.layers import LIGHT, Layer, captured, split_layers
-from radtex_addon.bake.spec import (
-    BakeSpec,
-    CaptureMethod,
-    Compression,
-    Kind,
-    Layout,
-    Unwrap,
-    View,
-)
-from radtex_addon.bake.texel_density import MOST_TEXELS, parse_density, side_for
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.errors import InputError
 from radtex_addon.forms import cost_of
+from radtex_addon.settings import cost
+from radtex_addon.settings.cost import check_memory
+from radtex_addon.settings.spec import BakeSpec, CaptureMethod, Compression, Kind, Layout, Unwrap, View
+from radtex_addon.settings.texel_density import MOST_TEXELS, parse_density, side_for
 
 
 def refusal(**changes: Any) -> str:

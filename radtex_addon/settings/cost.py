@@ -10,11 +10,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import prod
 
+from ..bake.session import BYTES_PER_PIXEL
 from ..core.errors import MemoryLimitError
 from ..core.messages import Setting, do
 from ..formats.disk.memory import physical_memory, readable_size
 from ..formats.image_files import Shapes
-from .session import BYTES_PER_PIXEL
 from .spec import BakeSpec
 from .spec_checks import size_of
 

@@ -11,8 +11,8 @@ from typing import Any
 
 import pytest
 
-from radtex_addon.bake.options import MARKED, OPTIONS, SECTIONS, BakeOptions
-from radtex_addon.bake.spec import BakeSpec, fingerprint_texts, key_facts
+from radtex_addon.settings.options import MARKED, OPTIONS, SECTIONS, BakeOptions
+from radtex_addon.settings.spec import BakeSpec, fingerprint_texts, key_facts
 
 FIELDS = {field.name: field.default for field in fields(BakeOptions)}
 

@@ -14,22 +14,21 @@ from math import ceil, sqrt
 from types import UnionType
 from typing import Any, Union, cast, get_args, get_origin, get_type_hints
 
+from ..bake.denoising import denoising_bytes
+from ..bake.layers import OF_LAYER, WHOLE, Layer, captured
+from ..bake.plan import MAX_IMAGE_SIDE
 from ..core.errors import FormatError, RadTexError
 from ..formats.containers.compression import Compression
 from ..formats.json_reader import Facts
 from .choices import CaptureMethod, Unwrap, View, parse
-from .denoising import denoising_bytes
 from .forms import FormTraits
 from .kinds import Kind, Layout, form_of
-from .layers import OF_LAYER, WHOLE, Layer, captured
 from .option import Option
 from .options import MARKED, OPTIONS, BakeOptions
 from .parts import Split
-from .plan import MAX_IMAGE_SIDE
 from .rays import CLEAR_SAMPLES, LayeredRays, coarser, finer
 from .spec_checks import check
 from .texel_density import MOST_TEXELS, STEP
-from .transfer_buckets import views_along
 
 __all__ = [
     "BakeSpec",
@@ -68,7 +67,7 @@ class BakeSpec(BakeOptions):
     """One bake: what is baked, how, and the course of this run.
 
     Enums may be given as text. Raises InputError for what cannot be baked. Fields for which their row in
-    `bake.options` says enough are not told of here.
+    `settings.options` says enough are not told of here.
 
     What is baked:
 
@@ -153,12 +152,12 @@ class BakeSpec(BakeOptions):
     @property
     def pixels_a_side(self) -> int:
         """Pixels of the atlas's longer side."""
-        return self.texels * views_along(self.view) * self.bucket
+        return self.texels * self.view.along * self.bucket
 
     @property
     def most_texels(self) -> int:
         """The most texels along a side that a density may ask for: a multiple of `STEP`."""
-        storable = MAX_IMAGE_SIDE // (views_along(self.view) * self.bucket)
+        storable = MAX_IMAGE_SIDE // (self.view.along * self.bucket)
         return min(MOST_TEXELS, max(storable // STEP, 1) * STEP)
 
     @property

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from ..bake.plan import MAX_IMAGE_SIDE
 from ..core.errors import InputError
 from ..core.messages import Setting, do, leave_out
 from ..formats.containers.compression import Compression
@@ -14,7 +15,6 @@ from .forms import FormTraits
 from .kinds import KINDS, Light, form_in
 from .options import OPTIONS
 from .parts import Split
-from .plan import MAX_IMAGE_SIDE
 from .texel_density import checked_density, told_density
 
 if TYPE_CHECKING:

@@ -9,9 +9,9 @@ from typing import Any
 
 import pytest
 
-from radtex_addon.bake.quality import Quality
-from radtex_addon.bake.spec import BakeSpec, Kind, Layer, Layout
 from radtex_addon.formats.json_reader import Facts
+from radtex_addon.settings.quality import Quality
+from radtex_addon.settings.spec import BakeSpec, Kind, Layer, Layout
 
 LAYERED = Quality("layered", 256, 0, 16)
 BUCKETS = Quality("buckets", 256, 8, 16, frozenset({"diffuse"}))

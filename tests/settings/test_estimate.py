@@ -8,18 +8,11 @@ from dataclasses import replace
 
 import pytest
 
-from radtex_addon.bake.estimate import (
-    START,
-    BakeWork,
-    Basis,
-    Measurement,
-    estimate,
-    typical_seconds,
-)
 from radtex_addon.bake.progress import Stage
-from radtex_addon.bake.rays import LayeredRays, most_panorama_paths, side_in
-from radtex_addon.bake.spec import BakeSpec, Kind, Layout
 from radtex_addon.forms import cost_of
+from radtex_addon.settings.estimate import START, BakeWork, Basis, Measurement, estimate, typical_seconds
+from radtex_addon.settings.rays import LayeredRays, most_panorama_paths, side_in
+from radtex_addon.settings.spec import BakeSpec, Kind, Layout
 
 LAYERED = BakeSpec(texels=128, layout=Layout.LAYERED, samples=16)
 PLAIN = BakeSpec(texels=128, samples=16, denoise=True)

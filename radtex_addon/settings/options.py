@@ -12,12 +12,13 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from typing import Any, cast
 
+from ..bake.layers import Layer
+from ..bake.plan import MAX_IMAGE_SIDE, SHEET
 from ..core.messages import Setting
 from ..core.sampler import Filter
 from ..formats.containers.compression import Compression
 from .choices import CaptureMethod, Unwrap, View
 from .kinds import DEFAULT_KIND, Kind, Layout, Light
-from .layers import Layer
 from .menu_items import (
     ATLAS_SIZES,
     COMPRESSIONS,
@@ -33,7 +34,6 @@ from .menu_items import (
 )
 from .option import Fold, Mark, Option, Section
 from .parts import Split
-from .plan import MAX_IMAGE_SIDE, SHEET
 from .targets import Target
 from .texel_density import MOST_TEXELS
 

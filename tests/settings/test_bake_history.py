@@ -12,17 +12,17 @@ from pathlib import Path
 
 import pytest
 
-from radtex_addon.bake import bake_history
-from radtex_addon.bake.bake_history import read_history, remember
-from radtex_addon.bake.estimate import BakeWork, Measurement
-from radtex_addon.bake.spec import BakeSpec
+from radtex_addon.settings import bake_history
+from radtex_addon.settings.bake_history import read_history, remember
+from radtex_addon.settings.estimate import BakeWork, Measurement
+from radtex_addon.settings.spec import BakeSpec
 
 ROOT = Path(__file__).parents[2]
 WRITER = """
 import sys
 from pathlib import Path
-from radtex_addon.bake.bake_history import remember
-from tests.bake.test_bake_history import bake
+from radtex_addon.settings.bake_history import remember
+from tests.settings.test_bake_history import bake
 for number in range(20):
     remember(Path(sys.argv[1]), bake(f"{sys.argv[2]} {number}"))
 """

@@ -16,9 +16,9 @@ from enum import StrEnum
 from functools import lru_cache
 from math import exp, log
 
+from ..bake.progress import Stage
 from .forms import FORMS
 from .kinds import Light
-from .progress import Stage
 from .rays import CLEAR_SAMPLES, PROBE_CELLS, PROBES, LayeredRays
 from .spec import BakeSpec, Kind, Unwrap
 

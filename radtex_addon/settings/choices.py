@@ -7,9 +7,9 @@ from __future__ import annotations
 from enum import StrEnum
 from typing import TypeVar
 
+from ..bake.layers import Layer
 from ..core.errors import InputError
 from .kinds import Kind, Layout
-from .layers import Layer
 
 
 class CaptureMethod(StrEnum):
@@ -25,6 +25,11 @@ class View(StrEnum):
     NORMAL = "normal"  # each texel along its normal
     CAMERA = "camera"  # from the scene's camera
     AROUND = "around"  # each texel from nine directions; lookups blend between them
+
+    @property
+    def along(self) -> int:
+        """The number of views along a bucket's side; its square is captured."""
+        return 3 if self is View.AROUND else 1
 
 
 class Unwrap(StrEnum):
