@@ -10,7 +10,7 @@ from pathlib import Path
 
 from ..core.errors import InputError
 from ..report.side_by_side import ComparisonSpec
-from ..report.viewpoint import Eye
+from ..report.viewpoint import Viewpoint
 from ..store.ownership import own_folder
 from .default_folders import blend_of, default_bakes
 from .options import (
@@ -58,7 +58,7 @@ class CompareRequest:
     demo: bool
     objects: tuple[str, ...]
     bake: Path
-    eye: Eye | None
+    eye: Viewpoint | None
     spec: ComparisonSpec
     out: Path
     progress: ProgressStyle
@@ -91,12 +91,12 @@ def parse_compare(arguments: list[str], inside_blender: bool) -> CompareRequest:
     )
 
 
-def _eye(view: list[float] | None, window: list[float] | None) -> Eye | None:
+def _eye(view: list[float] | None, window: list[float] | None) -> Viewpoint | None:
     if view is None and window is None:
         return None
     if view is None or window is None:
         raise InputError("a view is two matrices: give --view and --window, or leave both out")
-    return Eye.of_view(_rows(view), _rows(window))
+    return Viewpoint.of_view(_rows(view), _rows(window))
 
 
 def _rows(numbers: list[float]) -> list[list[float]]:

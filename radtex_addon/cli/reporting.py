@@ -17,9 +17,9 @@ from typing import Any, Protocol
 
 from ..bake.progress import Stage
 from ..core.quoting import printable, printable_json
-from ..farm.farm_progress import Task as FarmTask
-from ..report.report_progress import Task
-from ..textures.export_spec import Task as ExportTask
+from ..farm.farm_progress import FarmTask
+from ..report.report_progress import ReportTask
+from ..textures.export_spec import ExportTask
 from .options import ProgressStyle
 from .terminal import Output, draw, tell
 
@@ -36,11 +36,11 @@ _SAYS: dict[StrEnum, str] = {
     Stage.FIT: "fitting",
     Stage.WRITE: "writing",
     Stage.PREVIEW: "saving the preview",
-    Task.FIND_MESH: "finding its UV layer",
-    Task.FIND_VIEWS: "looking for views",
-    Task.REFERENCE: "path tracing",
-    Task.COMPARE: "comparing",
-    Task.PAGE: "writing the page",
+    ReportTask.FIND_MESH: "finding its UV layer",
+    ReportTask.FIND_VIEWS: "looking for views",
+    ReportTask.REFERENCE: "path tracing",
+    ReportTask.COMPARE: "comparing",
+    ReportTask.PAGE: "writing the page",
     ExportTask.TEXTURES: "storing textures",
     ExportTask.FLAT: "averaging its light",
     ExportTask.MESH: "writing the mesh",

@@ -29,7 +29,7 @@ from ..job.variants import title_of
 from ..preview.save import render_picture
 from ..settings.spec import BakeSpec
 from ..settings.texel_density import told_density
-from ..store.bake_folder import State
+from ..store.bake_folder import FolderState
 from ..textures.export_spec import Target
 from .arguments import Request
 from .collection_objects import with_collections
@@ -156,7 +156,7 @@ def _leave(name: str, spec: BakeSpec, request: Request, report: Report) -> None:
 
 def _with_the_way_on(failure: RadTexError, name: str, spec: BakeSpec, request: Request) -> RadTexError:
     """The same error; says how to resume if an unfinished bake was kept."""
-    if request.bakes.place((name, spec)).state is not State.UNFINISHED:
+    if request.bakes.place((name, spec)).state is not FolderState.UNFINISHED:
         return failure
     problem = failure.message.problem
     what = "interrupted" if problem == INTERRUPTED else problem

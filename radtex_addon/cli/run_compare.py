@@ -14,7 +14,7 @@ from ..preview.swap import original_of
 from ..report.metrics import Figures
 from ..report.shown import bakes_of, frame_of
 from ..report.side_by_side import ComparisonFiles, compare_steps, write_comparison
-from ..report.viewpoint import Eye
+from ..report.viewpoint import Viewpoint
 from ..scene.demo import OBJECT
 from ..scene.objects import check_only_one, find_object
 from ..scene.scratch import at_frame, find_view_layer
@@ -37,7 +37,7 @@ def run_compare(request: CompareRequest, report: Report, interruption: Interrupt
     items = [_object(scene, name) for name in request.objects or (OBJECT,)]
     bakes = bakes_of(items, request.bake)
     with at_frame(scene, frame_of(scene, bakes)):
-        eye = request.eye or Eye.of_camera(scene, find_view_layer(scene, None), _OWN_VIEW)
+        eye = request.eye or Viewpoint.of_camera(scene, find_view_layer(scene, None), _OWN_VIEW)
     name = ", ".join(item.name for item in items)
     steps = compare_steps(scene, bakes, eye, request.spec)
     found = interruption.between(steps, partial(report.progress, name))

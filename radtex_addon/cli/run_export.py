@@ -17,7 +17,7 @@ from ..formats.disk.memory import readable_size
 from ..formats.sidecar_file import SidecarFile
 from ..report.finished_bake import find_bakes, find_bakes_of_all, object_of
 from ..settings.spec import Kind
-from ..textures.export_spec import ExportSpec, Step, Target
+from ..textures.export_spec import ExportSpec, ExportStep, Target
 from ..worker.orders import EXPORTING, exported_part
 from .export_arguments import ExportRequest
 from .interruption import Interruption
@@ -92,7 +92,7 @@ def _export_each(request: OrderedExports, report: Report, interruption: Interrup
     made, errors, size, since = list[Path](), list[RadTexError](), 0, monotonic()
     total = len(request.bakes)
 
-    def tell(number: int, name: str, step: Step) -> None:
+    def tell(number: int, name: str, step: ExportStep) -> None:
         done = number + exported_part(step)
         left = (monotonic() - since) / done * (total - done) if number else None
         report.event("progress", object=name, stage=EXPORTING, done=done, total=total, seconds_left=left)
@@ -124,7 +124,7 @@ def _sidecars(request: ExportRequest) -> list[SidecarFile]:
 
 
 def _export(
-    name: str, steps: Generator[Step, None, Exported], report: Report, interruption: Interruption
+    name: str, steps: Generator[ExportStep, None, Exported], report: Report, interruption: Interruption
 ) -> None:
     made = interruption.between(steps, partial(report.progress, name))
     summary = f"{name} for {made.target}: {len(made.files)} files, {readable_size(made.bytes)}"

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from ..report.finished_bake import find_bake, object_of
 from ..report.report_bake import ReportResult, report_path, report_steps
-from ..report.report_progress import Step
+from ..report.report_progress import ReportStep
 from .interruption import Interruption
 from .opening import open_scene
 from .options import check_psnr
@@ -28,7 +28,7 @@ def run_report(request: ReportRequest, report: Report, interruption: Interruptio
     scene = open_scene(request.scene, request.demo, request.in_scene)
     steps = report_steps(scene, sidecar, request.spec, out)
 
-    def tell(step: Step) -> None:
+    def tell(step: ReportStep) -> None:
         report.progress(f"{name}, {step.about}" if step.about else name, step)
 
     result = interruption.between(steps, tell)

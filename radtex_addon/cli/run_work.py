@@ -16,7 +16,7 @@ from ..formats.json_reader import Facts
 from ..formats.sidecar_file import read_text
 from ..job.bake_request import BakeRequest
 from ..report.side_by_side import ComparisonSpec
-from ..report.viewpoint import Eye
+from ..report.viewpoint import Viewpoint
 from ..settings.spec import spec_in
 from ..textures.export_spec import Arrangement, ExportSpec, Target, TextureFormat
 from ..worker.order import Work
@@ -137,7 +137,7 @@ def _comparison(facts: Facts, request: WorkRequest) -> CompareRequest:
     return CompareRequest(
         objects=facts.texts("objects"),
         bake=_path(facts, "bake") or Path("radtex"),
-        eye=Eye.of_view(view, window),
+        eye=Viewpoint.of_view(view, window),
         spec=ComparisonSpec(
             facts.whole_number("pixels", 1), facts.whole_number("samples", 1), facts.text("device")
         ),

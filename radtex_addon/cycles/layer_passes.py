@@ -19,7 +19,7 @@ from .passes import attributes_of, light_of
 from .portal import PortalCapture
 
 
-class LayeredCapture:
+class PassesCapture:
     """Captures a kind of radiance in a scratch scene, with the passes that layers are made of."""
 
     def __init__(

@@ -36,7 +36,7 @@ MOST = 65504.0  # pieces are half floats
 
 
 @dataclass(frozen=True, eq=False)
-class Lit:
+class LitTexels:
     """What V viewers see of K texels: `light` (S, K, V, 3) under each of S suns, `alpha` (K, V); float16."""
 
     light: Floats
@@ -53,7 +53,7 @@ def capture_under_suns(
     folder: Path,
     store: PieceStore = NO_STORE,
     thumbnail: Thumbnail | None = None,
-) -> Generator[Progress, None, Lit]:
+) -> Generator[Progress, None, LitTexels]:
     """Look at each texel of a plan under `sun_directions(suns)`, of irradiance 1.
 
     Each cell of a bucket is one viewer, at `shift` (K, 2) in the cell (see `transfer_buckets.view_shift`).
@@ -68,7 +68,9 @@ def capture_under_suns(
     capture = PortalCapture(scene, plan, Kind.RADIANCE, samples, seed, folder, Aim(shift))
     height = plan.sheet_rows
     tiles = [Tile(row, min(height, plan.rows - row)) for row in range(0, plan.rows, height)]
-    lit = Lit(np.empty((suns, count, views, 3), dtype=np.float16), np.empty((count, views), dtype=np.float16))
+    lit = LitTexels(
+        np.empty((suns, count, views, 3), dtype=np.float16), np.empty((count, views), dtype=np.float16)
+    )
     total = np.zeros((count, 3), dtype=np.float32)
     for number, direction in enumerate(sun_directions(suns)):
         _turn(sun, direction)

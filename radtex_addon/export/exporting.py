@@ -25,7 +25,7 @@ from ..scene.preview_file import baked_copy, check_preview, surface_of
 from ..settings.targets import check_target
 from ..textures.choice import check_importable, pixel_bytes
 from ..textures.entry import TextureEntry
-from ..textures.export_spec import ExportSpec, Step, Target, Task, TextureFormat
+from ..textures.export_spec import ExportSpec, ExportStep, ExportTask, Target, TextureFormat
 from ..textures.flat_lightmap import flat_png
 from ..version import VERSION
 from .export_manifest import EXTENSION, Manifest, read_manifest, write_manifest
@@ -161,7 +161,7 @@ def check_bake(bake: ExportSource, spec: ExportSpec) -> None:
 
 def export_steps(
     sidecar: AnySidecar, spec: ExportSpec, out: Path | None = None, *, overwrite: bool = False
-) -> Generator[Step, None, Exported]:
+) -> Generator[ExportStep, None, Exported]:
     """Export a finished bake, by its sidecar, into the folder `out`, by default NAME.TARGET beside it.
 
     Yields progress; returns the result. The folder is written whole or not at all, and Blender's session is
@@ -173,19 +173,19 @@ def export_steps(
     check_export(bake, spec, out, overwrite=overwrite)
     with replacing_folder(out) as folder:
         pack = yield from _pack(bake, spec, folder)
-        yield Step(Task.PACK, 0, 1)
+        yield ExportStep(ExportTask.PACK, 0, 1)
         writer_of(spec.target).write(pack, folder)
         made = Exported.of(folder, out, bake.name, spec.target)
     return made
 
 
-def _pack(bake: ExportSource, spec: ExportSpec, folder: Path) -> Generator[Step, None, Pack]:
+def _pack(bake: ExportSource, spec: ExportSpec, folder: Path) -> Generator[ExportStep, None, Pack]:
     """Write the files that all targets need. Yields progress."""
-    yield Step(Task.TEXTURES, 0, 1)
+    yield ExportStep(ExportTask.TEXTURES, 0, 1)
     textures = bake.form.write_textures(bake.sidecar, spec, folder)
     layer = bake.bake.uv_map
     with bake.copy() as (scene, copy):
-        yield Step(Task.FLAT, 0, 1)
+        yield ExportStep(ExportTask.FLAT, 0, 1)
         flat = yield from flat_steps(bake, copy)
         manifest = manifest_of(bake, f"{bake.name}.glb", textures, flat, copy)
         if spec.mirror:
@@ -196,13 +196,13 @@ def _pack(bake: ExportSource, spec: ExportSpec, folder: Path) -> Generator[Step,
             mirror = write_mirror(surface, mirrored, manifest.culled, bake.name, spec, folder)
             manifest = replace(manifest, mirror=mirror)
         (folder / manifest.flat).write_bytes(flat.png)
-        yield Step(Task.MESH, 0, 1)
+        yield ExportStep(ExportTask.MESH, 0, 1)
         write_gltf(scene, copy, layer, flat.png, manifest, folder / manifest.mesh, flat.clear)
     write_manifest(folder / f"{bake.name}.{EXTENSION}", manifest)
     return Pack(bake.name, manifest, folder, spec)
 
 
-def flat_steps(bake: ExportSource, copy: bpy.types.Object) -> Generator[Step, None, Flat]:
+def flat_steps(bake: ExportSource, copy: bpy.types.Object) -> Generator[ExportStep, None, Flat]:
     """The flat lightmap of a bake with this baked copy. Yields progress."""
     light = yield from bake.form.flat(bake.sidecar, surface_of(copy, bake.bake.uv_map))
     png, scale = flat_png(light)

@@ -11,7 +11,7 @@ from pathlib import Path
 from ..core.errors import InputError
 from ..formats.sidecar import safe_name
 from ..formats.sidecar_file import AnySidecar
-from ..textures.export_spec import ExportSpec, Step, Target, Task
+from ..textures.export_spec import ExportSpec, ExportStep, ExportTask, Target
 from ..version import VERSION
 from .export_manifest import Manifest
 from .exporting import Exported, ExportSource, Flat, check_bake, check_writer, flat_steps, manifest_of
@@ -69,7 +69,7 @@ def export_scene_steps(
     out: Path | None = None,
     *,
     overwrite: bool = False,
-) -> Generator[Step, None, Exported]:
+) -> Generator[ExportStep, None, Exported]:
     """Export finished bakes, by their sidecars, as the scene `name` into the folder `out`.
 
     `out` is by default NAME.TARGET beside the first bake. Yields progress; returns the result; raises as
@@ -80,7 +80,7 @@ def export_scene_steps(
     nodes = check_scene(bakes, spec, out, overwrite=overwrite)
     with replacing_folder(out) as folder:
         pack = yield from _pack(bakes, nodes, spec, safe_name(name), folder)
-        yield Step(Task.PACK, 0, 1)
+        yield ExportStep(ExportTask.PACK, 0, 1)
         write = writer_of(spec.target).write_scene
         assert write is not None  # see `check_scene`
         write(pack, folder)
@@ -90,14 +90,14 @@ def export_scene_steps(
 
 def _pack(
     bakes: Sequence[ExportSource], nodes: Sequence[SceneNode], spec: ExportSpec, name: str, folder: Path
-) -> Generator[Step, None, ScenePack]:
+) -> Generator[ExportStep, None, ScenePack]:
     """Write the files that all targets need. Yields progress."""
     scene = SceneGltf(name, f"RadTex {VERSION}")
     baked = yield from _bakes_written(bakes, scene, f"{name}.glb", spec, folder)
     every = [each for node in nodes for each in (node, *node.levels)]
     places: dict[str, int] = {}
     for number, node in enumerate(every):
-        yield Step(Task.MESH, number, len(every))
+        yield ExportStep(ExportTask.MESH, number, len(every))
         places[node.name] = _add_node(scene, node, baked[node.bake])
     shown = [(places[node.name], [places[level.name] for level in node.levels]) for node in nodes]
     scene.write(folder / f"{name}.glb", shown)
@@ -108,15 +108,15 @@ def _pack(
 
 def _bakes_written(
     bakes: Sequence[ExportSource], scene: SceneGltf, mesh: str, spec: ExportSpec, folder: Path
-) -> Generator[Step, None, list[_Baked]]:
+) -> Generator[ExportStep, None, list[_Baked]]:
     """Write each bake's textures and flat lightmap, into the glTF too. Yields progress."""
     textures = []
     for number, bake in enumerate(bakes):
-        yield Step(Task.TEXTURES, number, len(bakes))
+        yield ExportStep(ExportTask.TEXTURES, number, len(bakes))
         textures.append(bake.form.write_textures(bake.sidecar, spec, folder))
     found = []
     for number, (bake, written) in enumerate(zip(bakes, textures, strict=True)):
-        step = Step(Task.FLAT, number, len(bakes))
+        step = ExportStep(ExportTask.FLAT, number, len(bakes))
         yield step
         with bake.copy() as (_, copy):
             steps = flat_steps(bake, copy)
@@ -127,7 +127,7 @@ def _bakes_written(
     return found
 
 
-def _told_as(step: Step, steps: Generator[Step, None, Flat]) -> Generator[Step, None, Flat]:
+def _told_as(step: ExportStep, steps: Generator[ExportStep, None, Flat]) -> Generator[ExportStep, None, Flat]:
     """The result of `steps`; each of them is told as `step`, a part of something larger."""
     while True:
         try:

@@ -21,14 +21,14 @@ from ..formats.json_reader import shown
 from ..forms.buckets.bake import join_buckets
 from ..job.baking import BakeResult
 from ..job.previews import save_preview_of
-from ..prepare.prepared import Piece
+from ..prepare.prepared import BakedCopy
 from ..scene.mesh.copy import MATRIX
 from ..settings.spec import BakeSpec
-from ..store.bake_folder import BakeFolder, State
+from ..store.bake_folder import BakeFolder, FolderState
 from ..store.output_files import BakeOutput, OutputFiles
 from ..store.ownership import Overwrite
 from .farm_files import FarmFiles
-from .farm_manifest import Copies, Manifest, check_files, read_manifest, read_plan
+from .farm_manifest import Copies, FarmManifest, check_files, read_manifest, read_plan
 from .farm_progress import AnyStep
 from .rendered_frames import FarmCapture, check_frames
 
@@ -92,9 +92,9 @@ def assemble_steps(
     return Assembled(manifest.name, spec, BakeResult(**vars(made), seconds=watch.seconds))
 
 
-def _was_begun(place: BakeFolder, manifest: Manifest) -> bool:
+def _was_begun(place: BakeFolder, manifest: FarmManifest) -> bool:
     """Whether a killed process left an unfinished assembly of the same frames."""
-    if place.state is not State.UNFINISHED:
+    if place.state is not FolderState.UNFINISHED:
         return False
     try:
         return place.begun_facts().get(_FARM) == manifest.job
@@ -107,13 +107,13 @@ class _Copied:
     """What the preview needs of a bake whose baked copies were saved."""
 
     name: str
-    pieces: tuple[Piece, ...]
+    pieces: tuple[BakedCopy, ...]
     uv_layer: str
     digest: str
     parts: tuple[str, ...]
 
 
-def _save_preview(files: FarmFiles, manifest: Manifest, copies: Copies, outputs: OutputFiles) -> None:
+def _save_preview(files: FarmFiles, manifest: FarmManifest, copies: Copies, outputs: OutputFiles) -> None:
     """Save the preview. Raises FormatError if the .blend does not have what the manifest lists."""
     try:
         bpy.ops.wm.open_mainfile(filepath=str(files.preview.absolute()), load_ui=False, use_scripts=False)
@@ -125,7 +125,7 @@ def _save_preview(files: FarmFiles, manifest: Manifest, copies: Copies, outputs:
             mesh.use_fake_user = False
             matrix = np.array(mesh[MATRIX], dtype=np.float64).reshape(4, 4)
             part = _part(files, number, mesh, copies) if manifest.spec.split is not None else None
-            pieces.append(Piece(item, mesh, matrix, part))
+            pieces.append(BakedCopy(item, mesh, matrix, part))
         facts = manifest.facts
         copied = _Copied(manifest.name, tuple(pieces), facts.uv_map, facts.mesh, copies.parts)
         save_preview_of(scene, manifest.spec, outputs, copied, copies.filter, copies.view_layer)

@@ -22,9 +22,9 @@ from ..preview.save import images_of
 from ..scene.digests import Looks, looks_of
 from .animation import curves_of
 from .farm_files import FarmFiles
-from .farm_manifest import Manifest
+from .farm_manifest import FarmManifest
 from .freeze_scene import Held, hold_still, read_cached
-from .self_contained import Packed, make_local, pack_files
+from .self_contained import PackedFiles, make_local, pack_files
 
 OUTPUT = "//frames/####"
 _SCENE = "RadTex farm"
@@ -36,7 +36,7 @@ def check_seed(seed: int, sheets: int) -> None:
         raise InputError(f"seed {seed}: a farm's frames hold no such number, give one below {2**23}")
 
 
-def animate_sheets(scene: bpy.types.Scene, manifest: Manifest) -> None:
+def animate_sheets(scene: bpy.types.Scene, manifest: FarmManifest) -> None:
     """Make frame f render sheet f - 1, and write its picture with the job's name in the header."""
     rows = [0.5 + manifest.sheet_rows * sheet for sheet in range(manifest.sheets)]
     seeds = [sheet_seed(manifest.spec.seed, sheet) for sheet in range(manifest.sheets)]
@@ -129,8 +129,8 @@ def save_draft(scratch: bpy.types.Scene, path: Path) -> tuple[Looks, Held]:
 
 
 def finish_blend(
-    draft: Path, scene_name: str, files: FarmFiles, manifest: Manifest, looks: Looks, cached: Held
-) -> Packed:
+    draft: Path, scene_name: str, files: FarmFiles, manifest: FarmManifest, looks: Looks, cached: Held
+) -> PackedFiles:
     """Open a draft, and save from it the .blend that farms render; the session is empty afterwards.
 
     Returns the files beside the .blend, and the files of this machine that go with it. Raises InputError for

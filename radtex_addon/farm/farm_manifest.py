@@ -46,7 +46,7 @@ class Copies:
 
 
 @dataclass(frozen=True)
-class Manifest:
+class FarmManifest:
     """One farm: frames 1 to `sheets` of the `job` are sheets of `columns` x `sheet_rows` buckets.
 
     The plan has `rows` rows of buckets; sheets have about `sheet_side`² pixels. `facts` are the atlas's,
@@ -119,7 +119,7 @@ def _check_frames_format(files: FarmFiles, facts: Facts) -> None:
         )
 
 
-def read_manifest(files: FarmFiles) -> Manifest:
+def read_manifest(files: FarmFiles) -> FarmManifest:
     """Read a farm's manifest.
 
     Raises InputError if there is none, FormatError for a file that is no manifest, or of another version.
@@ -137,7 +137,7 @@ def read_manifest(files: FarmFiles) -> Manifest:
     columns, sheet_rows = facts.size("sheet")
     _, sheets = facts.size("frames")
     preview = None if facts.values.get("preview") is None else facts.inner("preview")
-    made = Manifest(
+    made = FarmManifest(
         job=facts.text("job"),
         name=facts.text("name"),
         spec=_spec(facts.inner("spec")),
@@ -159,7 +159,7 @@ def read_manifest(files: FarmFiles) -> Manifest:
     return made
 
 
-def _is_possible(made: Manifest) -> bool:
+def _is_possible(made: FarmManifest) -> bool:
     facts, texels = made.facts, made.spec.texels
     fits = max(facts.width, facts.height) <= texels and facts.bucket == made.spec.bucket
     filled = (made.rows - 1) * made.columns < facts.width * facts.height
@@ -167,7 +167,7 @@ def _is_possible(made: Manifest) -> bool:
     return fits and filled and divided
 
 
-def _is_whole(made: Manifest, files: FarmFiles) -> bool:
+def _is_whole(made: FarmManifest, files: FarmFiles) -> bool:
     """Whether the files that it names are those that such a farm has."""
     spec, copies = made.spec, made.copies
     needed = {files.plan.name}
@@ -180,7 +180,7 @@ def _is_whole(made: Manifest, files: FarmFiles) -> bool:
     return set(made.digests) == needed and made.facts.kind == spec.kind
 
 
-def check_files(files: FarmFiles, manifest: Manifest) -> None:
+def check_files(files: FarmFiles, manifest: FarmManifest) -> None:
     """Raises FormatError if a file that assembling needs is missing or was changed."""
     for name, known in manifest.digests.items():
         path = files.folder / name
@@ -196,7 +196,7 @@ def write_plan(path: Path, plan: CapturePlan, hidden: HiddenCells | None) -> Non
     np.savez_compressed(path, texel=plan.texel, normal=normal, hidden=bits)
 
 
-def read_plan(files: FarmFiles, manifest: Manifest) -> tuple[CapturePlan, HiddenCells | None]:
+def read_plan(files: FarmFiles, manifest: FarmManifest) -> tuple[CapturePlan, HiddenCells | None]:
     """The plan of a farm and its hidden cells; of its rays, which were traced already, it has normals alone.
 
     Raises FormatError for a file that is damaged or of another farm.

@@ -10,7 +10,7 @@ from enum import StrEnum
 from ..bake.progress import Progress
 
 
-class Task(StrEnum):
+class FarmTask(StrEnum):
     """Work before the frames are rendered, and after."""
 
     HOLD = "hold"
@@ -18,12 +18,12 @@ class Task(StrEnum):
 
 
 @dataclass(frozen=True)
-class Step:
+class FarmStep:
     """`done` of `total` units of a task are finished."""
 
-    stage: Task
+    stage: FarmTask
     done: int
     total: int
 
 
-AnyStep = Progress | Step
+AnyStep = Progress | FarmStep

@@ -36,8 +36,8 @@ from ..store.output_files import OutputFiles
 from ..store.ownership import Overwrite
 from .blend import check_images_saved, check_seed, finish_blend, save_draft
 from .farm_files import FarmFiles
-from .farm_manifest import Copies, Manifest, check_farmable, check_frame_count, write_plan
-from .farm_progress import AnyStep, Step, Task
+from .farm_manifest import Copies, FarmManifest, check_farmable, check_frame_count, write_plan
+from .farm_progress import AnyStep, FarmStep, FarmTask
 from .freeze_scene import Held, check_holdable
 from .self_contained import Carried
 from .templates import write_templates
@@ -53,7 +53,7 @@ class Farm:
     """
 
     files: FarmFiles
-    manifest: Manifest
+    manifest: FarmManifest
     texels: int
     beside: tuple[str, ...]
     carried: tuple[Carried, ...]
@@ -117,7 +117,7 @@ def prepare_steps(
             copies = (
                 None if preview is None else _save_copies(scene, spec, baked, inside, preview, view_layer)
             )
-        yield Step(Task.HOLD, 0, 1)
+        yield FarmStep(FarmTask.HOLD, 0, 1)
         plan, facts, looks, cached, scene_name = draft.found[0]
         manifest = _manifest(name, baked.spec, plan, facts, baked, copies, inside)
         packed = finish_blend(draft.path, scene_name, inside, manifest, looks, cached)
@@ -136,9 +136,9 @@ def _manifest(
     baked: Baked,
     copies: Copies | None,
     files: FarmFiles,
-) -> Manifest:
+) -> FarmManifest:
     needed = [files.plan, *(path for path in (files.preview, files.parts) if path.exists())]
-    return Manifest(
+    return FarmManifest(
         job=secrets.token_hex(16),
         name=name,
         spec=spec,

@@ -21,8 +21,8 @@ from ..cycles.building_blocks import read_layers
 from ..cycles.passes import light_of
 from ..formats.containers.exr import read_stamps
 from .farm_files import FarmFiles
-from .farm_manifest import Manifest
-from .farm_progress import Step, Task
+from .farm_manifest import FarmManifest
+from .farm_progress import FarmStep, FarmTask
 from .frame_list import commands, frame_list
 
 log = logging.getLogger(__name__)
@@ -40,7 +40,7 @@ class Fault(StrEnum):
     NOT_NUMBERS = "not numbers (look for a material that divides by 0)"
 
 
-def check_frames(files: FarmFiles, manifest: Manifest) -> Generator[Step, None, None]:
+def check_frames(files: FarmFiles, manifest: FarmManifest) -> Generator[FarmStep, None, None]:
     """Read and check every frame.
 
     Infinite light is clamped to the file's largest value, as in a bake on one machine, with a warning. Raises
@@ -50,7 +50,7 @@ def check_frames(files: FarmFiles, manifest: Manifest) -> Generator[Step, None, 
     versions: set[str] = set()
     endless: list[int] = []
     for number in range(1, manifest.sheets + 1):
-        yield Step(Task.CHECK, number - 1, manifest.sheets)
+        yield FarmStep(FarmTask.CHECK, number - 1, manifest.sheets)
         try:
             checked = _check(files, manifest, number)
             versions.add(checked.version)
@@ -58,7 +58,7 @@ def check_frames(files: FarmFiles, manifest: Manifest) -> Generator[Step, None, 
                 endless.append(number)
         except _BadFrame as error:
             bad[number] = error.fault, error.detail
-    yield Step(Task.CHECK, manifest.sheets, manifest.sheets)
+    yield FarmStep(FarmTask.CHECK, manifest.sheets, manifest.sheets)
     strays = list(_strays(files, manifest))
     if bad or strays:
         raise BakeError(_complaint(files, manifest, bad, strays))
@@ -71,7 +71,7 @@ def check_frames(files: FarmFiles, manifest: Manifest) -> Generator[Step, None, 
         )
 
 
-def read_frame(path: Path, manifest: Manifest) -> Floats:
+def read_frame(path: Path, manifest: FarmManifest) -> Floats:
     """A frame's picture (H, W, C), row 0 at the bottom: RGBA, then each layer's three channels.
 
     Raises FormatError for a file that is damaged, of another size, or lacks a layer.
@@ -92,7 +92,7 @@ def read_frame(path: Path, manifest: Manifest) -> Floats:
 class FarmCapture:
     """A capture that reads its tiles from the frames of a farm."""
 
-    def __init__(self, files: FarmFiles, manifest: Manifest, plan: CapturePlan) -> None:
+    def __init__(self, files: FarmFiles, manifest: FarmManifest, plan: CapturePlan) -> None:
         self._files, self._manifest, self._plan = files, manifest, plan
         self._sheet, self._pixels = -1, np.zeros((0, 0, 0), dtype=np.float32)
 
@@ -127,7 +127,7 @@ class _Checked:
     endless: bool
 
 
-def _check(files: FarmFiles, manifest: Manifest, number: int) -> _Checked:
+def _check(files: FarmFiles, manifest: FarmManifest, number: int) -> _Checked:
     """Check one frame. Raises _BadFrame."""
     path = files.frame(number)
     if not path.is_file():
@@ -151,7 +151,7 @@ def _number(stamps: dict[str, str]) -> int:
     return int(word) if word.isdecimal() and len(word) <= _DIGITS else 0
 
 
-def _strays(files: FarmFiles, manifest: Manifest) -> Iterable[str]:
+def _strays(files: FarmFiles, manifest: FarmManifest) -> Iterable[str]:
     """Other files in the folder that look like frames: copies under another name, or foreign pictures."""
     known = {files.frame(number).name for number in range(1, manifest.sheets + 1)}
     for path in sorted(files.frames.glob("*.exr")):
@@ -166,7 +166,7 @@ def _strays(files: FarmFiles, manifest: Manifest) -> Iterable[str]:
 
 
 def _complaint(
-    files: FarmFiles, manifest: Manifest, bad: dict[int, tuple[Fault, str]], strays: list[str]
+    files: FarmFiles, manifest: FarmManifest, bad: dict[int, tuple[Fault, str]], strays: list[str]
 ) -> str:
     said = []
     for fault in Fault:
@@ -186,7 +186,7 @@ def _complaint(
     return "; ".join(parts)
 
 
-def _warn_of_versions(versions: set[str], manifest: Manifest) -> None:
+def _warn_of_versions(versions: set[str], manifest: FarmManifest) -> None:
     """Warn of frames by another version of Blender, whose noise differs; 4.5's frames do not name theirs."""
     own = re.match(r"\d+\.\d+\.\d+", manifest.facts.blender)
     for version in sorted(versions):

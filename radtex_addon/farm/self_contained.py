@@ -128,14 +128,14 @@ def make_local() -> tuple[Carried, ...]:
 
 
 @dataclass(frozen=True)
-class Packed:
+class PackedFiles:
     """Files `beside` a .blend, relative to its folder, and all files of this machine that were copied."""
 
     beside: tuple[str, ...]
     carried: tuple[Carried, ...]
 
 
-def pack_files(folder: Path) -> Packed:
+def pack_files(folder: Path) -> PackedFiles:
     """Pack what a .blend can hold, and copy volumes beside it; the open file is in `folder`.
 
     Raises InputError, with the name, for data that needs a file which can be neither packed nor copied, for
@@ -154,7 +154,7 @@ def pack_files(folder: Path) -> Packed:
         _copy_volume(volume, folder, luggage) for volume in bpy.data.volumes if not _is_held(volume)
     )
     _refuse_other_files()
-    return Packed(beside, tuple(luggage.carried))
+    return PackedFiles(beside, tuple(luggage.carried))
 
 
 def _look_at(luggage: Luggage, what: str, block: Any, kind: FileKind, filepath: str | None = None) -> None:

@@ -8,14 +8,14 @@ from pathlib import Path
 
 from ..core.quoting import in_comment, yaml_string
 from .farm_files import FarmFiles
-from .farm_manifest import Manifest
+from .farm_manifest import FarmManifest
 
 _FOLDER = Path(__file__).parent / "templates"
 OPENJD, FLAMENCO = "openjd.yaml", "radtex_farm.js"
 _NAME_MOST = 100  # OpenJD's limit is 128
 
 
-def write_templates(files: FarmFiles, manifest: Manifest) -> None:
+def write_templates(files: FarmFiles, manifest: FarmManifest) -> None:
     """Write the templates into the farm's folder, with the farm's frame numbers."""
     name = yaml_string(in_comment(f"RadTex {manifest.name[:_NAME_MOST]} {manifest.spec.kind}"))
     frames = f"1-{manifest.sheets}" if manifest.sheets > 1 else "1"

@@ -24,7 +24,7 @@ from ..settings.cost import Cost
 from ..settings.forms import FormTraits
 from ..settings.spec import BakeSpec, Compression
 from ..textures.entry import TextureEntry
-from ..textures.export_spec import ExportSpec, Step, Target
+from ..textures.export_spec import ExportSpec, ExportStep, Target
 from .bake_job import BakeJob
 from .hlsl_lookup import HlslLookup
 from .outcome import Outcome
@@ -144,7 +144,7 @@ class Form(Protocol):
         """The names of an exported bake's textures; optional layers only if they are `present`."""
         ...
 
-    def flat(self, sidecar: SidecarFile, surface: SurfaceMesh) -> Generator[Step, None, Floats]:
+    def flat(self, sidecar: SidecarFile, surface: SurfaceMesh) -> Generator[ExportStep, None, Floats]:
         """The flat lightmap (H, W, 3 or 4): see `textures.flat_lightmap`."""
         ...
 

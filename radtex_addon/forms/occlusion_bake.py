@@ -16,7 +16,7 @@ from .bake_job import BakeJob
 
 
 @dataclass(frozen=True, eq=False)
-class Captured:
+class OcclusionCaptured:
     """The share of open rays in each cell, in `bands` of the `plan`'s texels; `rays` were sent per texel."""
 
     plan: CapturePlan
@@ -24,7 +24,7 @@ class Captured:
     rays: int
 
 
-def capture_occlusion(job: BakeJob) -> Generator[Progress, None, Captured]:
+def capture_occlusion(job: BakeJob) -> Generator[Progress, None, OcclusionCaptured]:
     """Capture the prepared objects; every finished tile is stored."""
     spec = job.spec
     plan = yield from job.prepared.plan_of_seen(spec.bucket, job.folder, job.store)
@@ -34,4 +34,4 @@ def capture_occlusion(job: BakeJob) -> Generator[Progress, None, Captured]:
     steps = capture_bands(plan, capture, spec.tile_mb, None, job.store, job.thumbnail, spec.channels)
     bands = yield from steps
     yield Progress(Stage.WRITE, 0, 1)
-    return Captured(plan, bands, spec.bucket**2 * capture.rays)
+    return OcclusionCaptured(plan, bands, spec.bucket**2 * capture.rays)

@@ -19,7 +19,7 @@ from ..core.errors import InputError
 from ..core.messages import Message
 from ..prepare.unwrapping import Unwraps
 from ..settings.spec import BakeSpec
-from ..store.bake_folder import State
+from ..store.bake_folder import FolderState
 from ..store.ownership import Overwrite
 from .bake_request import BakeRequest
 from .baking import BakeSteps, bake_steps
@@ -249,5 +249,5 @@ def _announce(plan: BakePlan) -> None:
     replaces = request.overwrite or request.only_changed
     for name, spec in plan.replaced:
         place = request.place((name, spec))
-        if (replaces or spec.incremental) and place.state is State.FINISHED:
+        if (replaces or spec.incremental) and place.state is FolderState.FINISHED:
             place.announce(request.exports, request.may_replace(replaces).blend.name)

@@ -15,7 +15,7 @@ from ..scene.lights.lamps import ALL, EACH, each_light
 from ..scene.scratch import find_view_layer
 from ..settings.frame_numbers import of_frames
 from ..settings.spec import BakeSpec
-from ..store.bake_folder import BakeFolder, State
+from ..store.bake_folder import BakeFolder, FolderState
 from ..store.ownership import Overwrite, open_blend
 from ..textures.export_spec import Target
 from .about_texels import with_about_texels
@@ -114,10 +114,10 @@ class BakeRequest:
         if not (self.resume and self.former):
             return self
         bakes = self.asked(scene, guess=guess)
-        if any(BakeFolder(*bake, self.folder).state is not State.NOTHING for bake in bakes):
+        if any(BakeFolder(*bake, self.folder).state is not FolderState.NOTHING for bake in bakes):
             return self
         for place in self.former:
-            if any(BakeFolder(*bake, place).state is State.UNFINISHED for bake in bakes):
+            if any(BakeFolder(*bake, place).state is FolderState.UNFINISHED for bake in bakes):
                 return replace(self, folder=place)
         return self
 

@@ -45,7 +45,7 @@ from ..settings.spec import BakeSpec, View
 from ..store.bake_folder import BakeFolder
 from ..store.output_files import BakeOutput, OutputFiles
 from ..store.ownership import Overwrite, open_blend
-from ..textures.export_spec import ExportSpec, Step, Target
+from ..textures.export_spec import ExportSpec, ExportStep, Target
 from .bake_fingerprint import fingerprint_of_bake
 from .checks import check_request, check_seen
 from .previews import save_preview_of
@@ -54,7 +54,7 @@ from .split_parts import check_part
 log = logging.getLogger(__name__)
 
 Baker: TypeAlias = Callable[[BakeJob], Generator[Progress, None, Outcome]]
-BakeSteps: TypeAlias = "Generator[Progress | Step, None, BakeResult]"
+BakeSteps: TypeAlias = "Generator[Progress | ExportStep, None, BakeResult]"
 
 
 @dataclass(frozen=True)
@@ -212,7 +212,7 @@ def _finished_baker(known: BakeOutput) -> Baker:
 
 def _export(
     files: OutputFiles, targets: Collection[Target], overwrite: bool
-) -> Generator[Step, None, tuple[Path, ...]]:
+) -> Generator[ExportStep, None, tuple[Path, ...]]:
     """Make a folder for each target of the bake with these files."""
     made = []
     for target in targets:

@@ -17,7 +17,7 @@ from ..formats.sidecar_file import read_facts
 from ..scene.digests import SceneDigests
 from ..scene.scratch import find_view_layer
 from ..settings.spec import BakeSpec
-from ..store.bake_folder import BakeFolder, State
+from ..store.bake_folder import BakeFolder, FolderState
 from .bake_fingerprint import read_now
 
 MOVED = "moved"
@@ -98,8 +98,8 @@ def changes(
     """
     place = BakeFolder(name, spec, folder)
     files, there = place.files, place.state
-    if there is not State.FINISHED:
-        return Changes(BakeState.UNFINISHED if there is State.UNFINISHED else BakeState.MISSING)
+    if there is not FolderState.FINISHED:
+        return Changes(BakeState.UNFINISHED if there is FolderState.UNFINISHED else BakeState.MISSING)
     try:
         facts = read_facts(files.sidecar)
         stored = fingerprint_in(facts)

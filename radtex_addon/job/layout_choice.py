@@ -23,7 +23,7 @@ from ..settings.cost import check_memory
 from ..settings.forms import FormTraits
 from ..settings.kinds import Layout
 from ..settings.spec import BakeSpec
-from ..store.bake_folder import BakeFolder, State
+from ..store.bake_folder import BakeFolder, FolderState
 from .variants import Bake
 
 _MOST_MEMORY = 8 << 30  # bytes: if the layered layout needs more, buckets is chosen, on every machine
@@ -141,7 +141,7 @@ def _begun(bakes: Sequence[Bake], folder: Path, anew: bool) -> tuple[FormTraits,
     """How the first of these bakes that exists is stored; if `anew`, only unfinished ones count."""
     for bake in bakes:
         there = BakeFolder(*bake, folder)
-        if not anew or there.state is State.UNFINISHED:
+        if not anew or there.state is FolderState.UNFINISHED:
             found = there.stored_as()
             if found is not None:
                 return found

@@ -21,7 +21,7 @@ from ..formats.transfer_files import LAYOUT as TRANSFER
 from ..formats.transfer_files import TransferSidecar
 from ..forms import form_for
 from ..forms.form import PreviewOf
-from ..prepare.prepared import Piece
+from ..prepare.prepared import BakedCopy
 from ..preview.save import MATERIAL_PREFIX, StandIn, save_preview
 from ..preview.swap import previews_off
 from ..scene.mesh.backs import lift_twins
@@ -33,14 +33,14 @@ from ..settings.spec import BakeSpec
 from ..store.output_files import OutputFiles
 
 
-class Shown(Protocol):
+class PreviewNeeds(Protocol):
     """What a preview needs of a bake: see `Prepared`."""
 
     @property
     def name(self) -> str: ...
 
     @property
-    def pieces(self) -> tuple[Piece, ...]: ...
+    def pieces(self) -> tuple[BakedCopy, ...]: ...
 
     @property
     def uv_layer(self) -> str: ...
@@ -56,7 +56,7 @@ def save_preview_of(
     scene: bpy.types.Scene,
     spec: BakeSpec,
     files: OutputFiles,
-    prepared: Shown,
+    prepared: PreviewNeeds,
     preview: Filter,
     view_layer: str | None,
 ) -> None:
@@ -90,7 +90,9 @@ def save_preview_of(
         save_preview(scene, stand_ins, files.preview.absolute(), hidden)
 
 
-def _baked(spec: BakeSpec, files: OutputFiles, prepared: Shown) -> dict[int | None, tuple[str, OutputFiles]]:
+def _baked(
+    spec: BakeSpec, files: OutputFiles, prepared: PreviewNeeds
+) -> dict[int | None, tuple[str, OutputFiles]]:
     """Material name and files of each baked part, by its number; None is the number if nothing is split."""
     title = f"{MATERIAL_PREFIX}{prepared.name}"
     if spec.split is None:
@@ -104,7 +106,7 @@ def _baked(spec: BakeSpec, files: OutputFiles, prepared: Shown) -> dict[int | No
     return found
 
 
-def _is_of(sidecar: Path, prepared: Shown, reading: tuple[str, int]) -> bool:
+def _is_of(sidecar: Path, prepared: PreviewNeeds, reading: tuple[str, int]) -> bool:
     """Whether the file is the sidecar of a bake of the same mesh that is read in the same way."""
     try:
         facts = read_facts(sidecar)
@@ -140,7 +142,7 @@ def _material(
     title: str,
     spec: BakeSpec,
     files: OutputFiles,
-    prepared: Shown,
+    prepared: PreviewNeeds,
     preview: Filter,
     scene: bpy.types.Scene,
 ) -> bpy.types.Material:

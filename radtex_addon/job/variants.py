@@ -20,7 +20,7 @@ from ..formats.disk.path_checks import nearest_folder
 from ..formats.sidecar import file_name, part_in
 from ..formats.sidecar_file import read_facts
 from ..settings.spec import BakeSpec
-from ..store.bake_folder import BakeFolder, State
+from ..store.bake_folder import BakeFolder, FolderState
 from ..textures.export_spec import Target
 
 Bake: TypeAlias = tuple[str, BakeSpec]  # the name of an object or a shared atlas, and the specification
@@ -51,7 +51,7 @@ def bakes_to_resume(
     again = [spec for _, spec in bakes if spec.incremental]
     if not again:
         return not_whole(bakes, out, preview, exports)
-    found = tuple(bake for bake in bakes if BakeFolder(*bake, out).state is State.UNFINISHED)
+    found = tuple(bake for bake in bakes if BakeFolder(*bake, out).state is FolderState.UNFINISHED)
     if not found:
         names = ", ".join(f"'{name}'" for name in dict.fromkeys(name for name, _ in bakes))
         raise InputError(

@@ -67,7 +67,7 @@ _PAIRED = 1_000_000  # triangles: of more, texels beside seams keep the points o
 
 
 @dataclass(frozen=True, eq=False)
-class Piece:
+class BakedCopy:
     """One object's baked copy: its `mesh`, and its object's `matrix_world` (4, 4).
 
     If the object is split, `part` (F,) is the number of each triangle's part. If faces that are seen from
@@ -102,7 +102,7 @@ class Prepared:
     """
 
     name: str
-    pieces: tuple[Piece, ...]
+    pieces: tuple[BakedCopy, ...]
     surface: SurfaceMesh
     uv_layer: str
     width: int
@@ -232,7 +232,7 @@ class Prepared:
         return replace(inset(found, self.surface, _RIM * offset), offset=own)
 
 
-def _own_offset(piece: Piece) -> float:
+def _own_offset(piece: BakedCopy) -> float:
     """The ray offset for one of several objects: from its own extent, not from that of all together."""
     place = np.empty(3 * len(piece.mesh.vertices), dtype=np.float32)
     piece.mesh.vertices.foreach_get("co", place)
@@ -338,7 +338,7 @@ def _joined(
         if spec.split is not None:
             parts = number_parts(copy, [each.faces[number] for each in unwrapped.parts])
         single = single_copy(mesh, unwrapped.uvs[number], unwrapped.layer)
-        pieces.append(Piece(original, copy, mesh.matrix_world, parts, single))
+        pieces.append(BakedCopy(original, copy, mesh.matrix_world, parts, single))
     if len(pieces) > 1 or spec.split is not None:
         of_parts = None if spec.split is None else [cast(Ints, piece.part) for piece in pieces]
         numbers = material_numbers_of(evaluated, of_parts)

@@ -21,9 +21,9 @@ from ..settings.spec import BakeSpec
 from .finished_bake import Finished, read_bake
 from .gbuffer import BakedSurface
 from .judging import judge, mean_flip, mean_psnr
-from .report_progress import Step, Task, steps_of
+from .report_progress import ReportStep, ReportTask, steps_of
 from .sizes import gpu_bytes
-from .views import View
+from .views import TracedView
 
 log = logging.getLogger(__name__)
 
@@ -56,7 +56,7 @@ _ABOUT = {
 
 
 @dataclass(frozen=True)
-class Variant:
+class HalvedBake:
     """The result of a bake with one setting halved; `lost` is by how many decibels its PSNR is lower.
 
     `value` is the halved setting.
@@ -82,8 +82,8 @@ class Variant:
 
 
 def bake_variants(
-    scene: bpy.types.Scene, spec: BakeSpec, name: str, views: Sequence[View], whole: float
-) -> Generator[Step, None, list[Variant]]:
+    scene: bpy.types.Scene, spec: BakeSpec, name: str, views: Sequence[TracedView], whole: float
+) -> Generator[ReportStep, None, list[HalvedBake]]:
     """Bake the object `name` again for each cause, and judge each bake; `whole` is the bake's own mean PSNR.
 
     `spec` is the bake's own. Settings that cannot be halved are left out. All files and data of these bakes
@@ -105,10 +105,10 @@ def _judge_again(
     scene: bpy.types.Scene,
     spec: BakeSpec,
     name: str,
-    views: Sequence[View],
+    views: Sequence[TracedView],
     whole: float,
     cause: Cause,
-) -> Generator[Step, None, Variant]:
+) -> Generator[ReportStep, None, HalvedBake]:
     about = _ABOUT[cause]
     with temporary_folder() as folder, new_data_removed():
         files = OutputFiles.of(name, spec, folder, preview=False)
@@ -116,13 +116,13 @@ def _judge_again(
         baked = yield from steps_of(steps, about)
         prepared = baked.prepared
         surface = BakedSurface(prepared.mesh, prepared.matrix_world, prepared.uv_layer)
-        yield Step(Task.COMPARE, 0, 1, about)
+        yield ReportStep(ReportTask.COMPARE, 0, 1, about)
         bake = read_bake(baked.made.files.sidecar)
         judged = judge(bake, surface, views)
         size = gpu_bytes(bake)
     psnr = mean_psnr(judged)
     flip, paths = mean_flip(judged), baked.made.paths
-    return Variant(cause, int(getattr(spec, cause)), psnr, flip, whole - psnr, paths, size)
+    return HalvedBake(cause, int(getattr(spec, cause)), psnr, flip, whole - psnr, paths, size)
 
 
 def _without(spec: BakeSpec, cause: Cause) -> BakeSpec | None:
@@ -136,7 +136,7 @@ def _without(spec: BakeSpec, cause: Cause) -> BakeSpec | None:
     return replace(spec, texels=spec.texels // 2, density=None) if spec.texels >= 2 else None
 
 
-def first_change(bake: Finished, variants: Sequence[Variant]) -> str:
+def first_change(bake: Finished, variants: Sequence[HalvedBake]) -> str:
     """Advice in a sentence or two: which setting to change first, and its cost in paths and bytes."""
     worst = max(variants, key=lambda variant: variant.lost, default=None)
     if worst is None:

@@ -31,7 +31,7 @@ Indices = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
-class Rays:
+class CameraRays:
     """A camera's rays: N = `pixels`² `subsamples`² of them, for a square picture.
 
     They start at `origin` (3,), or (N, 3) if each has its own, as mirrored rays have; `away` (N, 3) are their
@@ -46,7 +46,7 @@ class Rays:
     @classmethod
     def of_camera(
         cls, place: npt.ArrayLike, turn: npt.ArrayLike, half: float, pixels: int, subsamples: int
-    ) -> Rays:
+    ) -> CameraRays:
         """Rays through the centres of each pixel's subsamples.
 
         `place` (3,) and the rotation `turn` (3, 3) are the camera's, which looks along its own −z; `half` is
@@ -164,7 +164,7 @@ class BakedSurface:
         """The map of all triangles on an atlas of so many texels."""
         return UvMap(self.place[self._corner], self._uv, width, height)
 
-    def gbuffer(self, rays: Rays, blocked: Array) -> GBuffer:
+    def gbuffer(self, rays: CameraRays, blocked: Array) -> GBuffer:
         """The G-buffer of rays that meet the mesh before the distances (N,) where they are `blocked`."""
         place, corner = self.place, self._corner
         near = self._around(rays)
@@ -214,7 +214,7 @@ class BakedSurface:
         behind = (np.einsum("ki,ki->k", normal, away) > 0) & (twin[triangle] >= 0)
         return np.where(behind, twin[triangle], triangle)
 
-    def _around(self, rays: Rays) -> npt.NDArray[np.bool_]:
+    def _around(self, rays: CameraRays) -> npt.NDArray[np.bool_]:
         """Which rays can meet the mesh: those within the cone of its vertices, if they have one origin."""
         if rays.origin.ndim > 1:
             return np.ones(len(rays.away), dtype=bool)

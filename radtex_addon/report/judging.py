@@ -14,7 +14,7 @@ from ..core.messages import Setting, do
 from .finished_bake import Finished
 from .gbuffer import BakedSurface
 from .metrics import Figures, Mask, Picture, compare
-from .views import View, seen
+from .views import TracedView, seen
 
 _WORDS = (  # the least PSNR in decibels, and its verdict
     (40.0, "the eye finds no difference"),
@@ -31,14 +31,14 @@ _AT_THE_FLOOR = 1.0  # decibels: a PSNR this close to the noise floor's cannot b
 class Judged:
     """A picture of the bake from one view, valid inside the masks only, and its figures."""
 
-    view: View
+    view: TracedView
     picture: Picture
     inside: Mask
     eroded: Mask
     figures: Figures
 
 
-def judge(bake: Finished, surface: BakedSurface, views: Sequence[View]) -> list[Judged]:
+def judge(bake: Finished, surface: BakedSurface, views: Sequence[TracedView]) -> list[Judged]:
     """Compare the bake with each view's reference. Raises InputError if it is too small in a view."""
     judged = []
     for view in views:

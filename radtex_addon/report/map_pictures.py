@@ -13,7 +13,7 @@ from ..core.arrays import Floats
 from ..core.uv_map import UvMap, draw_map, island_colours
 from ..prepare.map_checks import why_wasteful
 from .gbuffer import BakedSurface, GBuffer
-from .views import View, seen
+from .views import TracedView, seen
 
 _SQUARES = 32  # about so many along the atlas's longer side
 _DARK = 0.4  # of a colour, in every other square
@@ -38,7 +38,7 @@ class MapPictures:
     wasteful: str
 
 
-def map_pictures(surface: BakedSurface, views: Sequence[View], width: int, height: int) -> MapPictures:
+def map_pictures(surface: BakedSurface, views: Sequence[TracedView], width: int, height: int) -> MapPictures:
     """Draw the map of a surface on an atlas of `width` x `height` texels, and its checker in each view."""
     uv_map = surface.uv_map(width, height)
     square = square_for(max(width, height))
@@ -59,7 +59,7 @@ def square_for(texels: int) -> int:
     return int(2 ** max(round(np.log2(texels / _SQUARES)), 0))
 
 
-def _coarser(view: View) -> View:
+def _coarser(view: TracedView) -> TracedView:
     """The view with a quarter of its rays, which are enough for squares, if it has several to a pixel."""
     rays = view.rays
     if rays.subsamples % 2:

@@ -38,14 +38,14 @@ from ..settings.rays import step_to
 from ..settings.spec import Unwrap
 from .finished_bake import Finished
 from .gbuffer import BakedSurface
-from .report_progress import Step, Task, steps_of
+from .report_progress import ReportStep, ReportTask, steps_of
 
 _SURE = 0.93  # share of the gutter that agrees; less than 1, as the bake also fills texels that are hidden
 _SAME = 1e-5  # relative to the object's size: vertices that moved less count as unmoved
 
 
 @dataclass(frozen=True, eq=False)
-class Found:
+class SurfaceFound:
     """The surface of a bake; `uv_layer` is the object's own layer, None if `unwrap` made the layer."""
 
     surface: BakedSurface
@@ -55,7 +55,7 @@ class Found:
 
 def find_mesh(
     scratch: bpy.types.Scene, original: bpy.types.Object, bake: Finished, options: UnwrapOptions
-) -> Generator[Step, None, Found]:
+) -> Generator[ReportStep, None, SurfaceFound]:
     """Find the surface of `bake` on the object `original` of a scratch scene.
 
     Tries the object's own layer with the sidecar's name, the layer in the preview beside the bake, and each
@@ -69,15 +69,15 @@ def find_mesh(
     detailed = None
     if bake.form.traits.by_paths:
         detailed = read_detailed(scratch, original, bake.spec(device="cpu"), NO_STORE)
-    best: tuple[float, Found] | None = None
+    best: tuple[float, SurfaceFound] | None = None
     with closing(_layers(evaluated, bake, options)) as layers:
         for found in layers:
-            if isinstance(found, Step):
+            if isinstance(found, ReportStep):
                 yield found
                 continue
             surface, agreement = _surface(evaluated, found.uv, bake, detailed)
             if best is None or agreement > best[0]:
-                best = agreement, Found(surface, found.own, found.unwrap)
+                best = agreement, SurfaceFound(surface, found.own, found.unwrap)
             if agreement >= _SURE:
                 break
     if best is None or best[0] < LEAST_AGREEMENT:
@@ -91,7 +91,7 @@ def find_mesh(
 
 @dataclass(frozen=True, eq=False)
 class _Layer:
-    """A UV layer (F, 3, 2) that may be the baked one; `own` is the `uv_layer` of `Found`."""
+    """A UV layer (F, 3, 2) that may be the baked one; `own` is the `uv_layer` of `SurfaceFound`."""
 
     uv: Floats
     own: str | None
@@ -100,8 +100,8 @@ class _Layer:
 
 def _layers(
     evaluated: EvaluatedMesh, bake: Finished, options: UnwrapOptions
-) -> Generator[Step | _Layer, None, None]:
-    yield Step(Task.FIND_MESH, 0, 1)
+) -> Generator[ReportStep | _Layer, None, None]:
+    yield ReportStep(ReportTask.FIND_MESH, 0, 1)
     own = bake.sidecar.uv_map
     if own in evaluated.uv_layers or not bake.unwrapped:
         yield _Layer(user_uv(evaluated, own), own, Unwrap.AUTO)
@@ -138,7 +138,7 @@ def _surface(
 
 def _unwrapped(
     evaluated: EvaluatedMesh, bake: Finished, unwrap: Unwrap, options: UnwrapOptions
-) -> Generator[Step | _Layer, None, Floats | None]:
+) -> Generator[ReportStep | _Layer, None, Floats | None]:
     """The UV layer that an unwrap method makes, None if it is for an atlas of another size."""
     width, height = bake.sidecar.width, bake.sidecar.height
     try:

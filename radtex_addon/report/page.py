@@ -16,7 +16,7 @@ from ..core.arrays import Floats
 from ..formats.containers.png import encode_png
 from ..formats.disk.memory import readable_size
 from ..job.variants import variant_of
-from .causes import Variant, first_change
+from .causes import HalvedBake, first_change
 from .finished_bake import Finished
 from .judging import Judged, mean_energy, mean_flip, mean_psnr, verdict
 from .map_pictures import MapPictures
@@ -54,7 +54,7 @@ class Contents:
     judged: Sequence[Judged]
     floor: Figures
     sizes: list[ImageSize]
-    variants: Sequence[Variant] | None
+    variants: Sequence[HalvedBake] | None
     reference_samples: int
     map: MapPictures
 

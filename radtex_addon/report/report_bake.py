@@ -24,11 +24,11 @@ from .causes import bake_variants, first_change
 from .finished_bake import Finished, check_whole, object_of, read_bake
 from .judging import judge, mean_energy, mean_flip, mean_psnr, noise_floor
 from .map_pictures import map_pictures
-from .mesh import Found, find_mesh
+from .mesh import SurfaceFound, find_mesh
 from .page import Contents, page
-from .report_progress import Step, Task
+from .report_progress import ReportStep, ReportTask
 from .sizes import check_judged, gpu_bytes, sizes_of
-from .views import MOST_PIXELS, View, make_views, reference_of
+from .views import MOST_PIXELS, TracedView, make_views, reference_of
 
 _CHECKERS = 2  # views that also show the checker
 _LIMITS = {"views": (1, 64), "pixels": (16, MOST_PIXELS), "samples": (1, 2**24)}
@@ -90,7 +90,7 @@ def report_path(sidecar: AnySidecar) -> Path:
 
 def report_steps(
     scene: bpy.types.Scene, sidecar: AnySidecar, spec: ReportSpec, out: Path
-) -> Generator[Step, None, ReportResult]:
+) -> Generator[ReportStep, None, ReportResult]:
     """Judge the bake with this sidecar against views of its object in `scene`, and write a page to `out`.
 
     It is judged as it was baked: at its frame, with its lamps, and against the object whose light it shows.
@@ -106,7 +106,7 @@ def report_steps(
     bake = read_bake(file)
     with at_frame(scene, bake.sidecar.frame):
         found, views = yield from _look(scene, bake, spec)
-        yield Step(Task.COMPARE, 0, 1)
+        yield ReportStep(ReportTask.COMPARE, 0, 1)
         judged = judge(bake, found.surface, views)
         pictures = map_pictures(found.surface, views[:_CHECKERS], bake.sidecar.width, bake.sidecar.height)
         variants = None
@@ -114,7 +114,7 @@ def report_steps(
             again = replace(bake.spec(spec.device), uv_layer=found.uv_layer, unwrap=found.unwrap)
             name, whole = bake.sidecar.object_name, mean_psnr(judged)
             variants = yield from bake_variants(scene, again, name, views, whole)
-    yield Step(Task.PAGE, 0, 1)
+    yield ReportStep(ReportTask.PAGE, 0, 1)
     sizes = sizes_of(bake)
     contents = Contents(bake, judged, noise_floor(judged), sizes, variants, spec.samples, pictures)
     with replacing_together(out) as beside:
@@ -135,7 +135,7 @@ def report_steps(
 
 def _look(
     scene: bpy.types.Scene, bake: Finished, spec: ReportSpec
-) -> Generator[Step, None, tuple[Found, list[View]]]:
+) -> Generator[ReportStep, None, tuple[SurfaceFound, list[TracedView]]]:
     with (
         temporary_folder() as folder,
         scratch_scene(scene) as scratch,

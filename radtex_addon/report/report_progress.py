@@ -14,7 +14,7 @@ from ..bake.progress import Progress, Stage, relayed
 _Result = TypeVar("_Result")
 
 
-class Task(StrEnum):
+class ReportTask(StrEnum):
     """The tasks of a report itself; its bakes also go through a bake's stages."""
 
     FIND_MESH = "find mesh"
@@ -25,15 +25,17 @@ class Task(StrEnum):
 
 
 @dataclass(frozen=True)
-class Step:
+class ReportStep:
     """`done` of `total` units are finished; `about` is the variant being baked, "" for the bake itself."""
 
-    stage: Task | Stage
+    stage: ReportTask | Stage
     done: int
     total: int
     about: str = ""
 
 
-def steps_of(steps: Generator[Progress, None, _Result], about: str = "") -> Generator[Step, None, _Result]:
+def steps_of(
+    steps: Generator[Progress, None, _Result], about: str = ""
+) -> Generator[ReportStep, None, _Result]:
     """Convert a bake's progress to steps; closing this generator closes the bake's."""
-    return relayed(steps, lambda step: Step(step.stage, step.done, step.total, about))
+    return relayed(steps, lambda step: ReportStep(step.stage, step.done, step.total, about))

@@ -35,10 +35,10 @@ from ..scene.scratch import at_frame, scene_copied, scratch_scene
 from ..version import VERSION
 from .gbuffer import eroded
 from .metrics import Figures, Mask, Picture, compare, display
-from .report_progress import Step, Task
+from .report_progress import ReportStep, ReportTask
 from .shown import frame_of
 from .sizes import check_shown
-from .viewpoint import Eye
+from .viewpoint import Viewpoint
 
 GAIN = 4  # the factor of the difference
 _NUMBER = 32767  # the pass index that previews have while they are rendered
@@ -92,9 +92,9 @@ def difference(traced: Picture, baked: Picture) -> Picture:
 def compare_steps(
     scene: bpy.types.Scene,
     bakes: Mapping[bpy.types.Object, AnySidecar | None],
-    eye: Eye,
+    eye: Viewpoint,
     spec: ComparisonSpec,
-) -> Generator[Step, None, Comparison]:
+) -> Generator[ReportStep, None, Comparison]:
     """Render objects of `scene` and their bakes from the view `eye`, and compare the pictures.
 
     `bakes` has each object's sidecar, None if its preview is on. Bakes of a frame are rendered at that frame.
@@ -117,12 +117,12 @@ def compare_steps(
         use_device(scratch, spec.device),
     ):
         file = folder / "view.exr"
-        yield Step(Task.REFERENCE, 0, 2)
+        yield ReportStep(ReportTask.REFERENCE, 0, 2)
         with originals_rendered(tuple(bakes)):
             traced, _ = _rendered(scratch, eye, spec, file)
-        yield Step(Task.REFERENCE, 1, 2)
+        yield ReportStep(ReportTask.REFERENCE, 1, 2)
         baked, index = _rendered(scratch, eye, spec, file)
-    yield Step(Task.COMPARE, 0, 1)
+    yield ReportStep(ReportTask.COMPARE, 0, 1)
     inside: Mask = np.abs(index - _NUMBER) < 0.5
     if not eroded(inside).any():
         names = ", ".join(f"'{item.name}'" for item in bakes)
@@ -166,7 +166,7 @@ def _numbered(bakes: Iterable[bpy.types.Object]) -> Iterator[None]:
 
 
 def _rendered(
-    scratch: bpy.types.Scene, eye: Eye, spec: ComparisonSpec, file: Path
+    scratch: bpy.types.Scene, eye: Viewpoint, spec: ComparisonSpec, file: Path
 ) -> tuple[Picture, Picture]:
     """Render a picture, and the pass index of the object in each pixel."""
     with scene_copied(scratch) as scene:

@@ -21,7 +21,7 @@ _FARTHEST = 1e7  # the largest clip end, times the clip start: beyond it, float3
 
 
 @dataclass(frozen=True, eq=False)
-class Eye:
+class Viewpoint:
     """A view: `matrix` (4, 4) is the viewer's in world space, looking along −z; `projection` (4, 4) OpenGL's.
 
     Raises InputError for other shapes and for an invalid projection.
@@ -39,7 +39,7 @@ class Eye:
     @classmethod
     def of_camera(
         cls, scene: bpy.types.Scene, layer: bpy.types.ViewLayer, instead: Remedy | None = None
-    ) -> Eye:
+    ) -> Viewpoint:
         """The view of the scene's camera. Raises InputError if there is none, or if it is panoramic.
 
         `instead` is what else, besides adding a camera, the error of a scene without one offers.
@@ -61,7 +61,7 @@ class Eye:
         return cls(np.array(camera.matrix_world.normalized(), float), np.array(projection, float))
 
     @classmethod
-    def of_view(cls, view: npt.ArrayLike, window: npt.ArrayLike) -> Eye:
+    def of_view(cls, view: npt.ArrayLike, window: npt.ArrayLike) -> Viewpoint:
         """The view of a 3D viewport: its `view` matrix, from world to view space, and its `window` matrix."""
         matrix = np.array(view, float)
         with np.errstate(over="ignore", invalid="ignore"):  # anybody's numbers

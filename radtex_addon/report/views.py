@@ -38,9 +38,9 @@ from ..scene.mesh.source_hits import find_source
 from ..scene.proxy_content import EVERYTHING, show_content_only
 from ..scene.regroup import leave_alone
 from ..scene.scratch import scene_copied
-from .gbuffer import Array, BakedSurface, GBuffer, Rays
+from .gbuffer import Array, BakedSurface, CameraRays, GBuffer
 from .metrics import Picture
-from .report_progress import Step, Task
+from .report_progress import ReportStep, ReportTask
 
 MOST_PIXELS = 2048  # along a picture's side
 _SUBSAMPLES = 4  # along a pixel's side; fewer if the picture is large
@@ -98,7 +98,7 @@ def _light(scratch: bpy.types.Scene, bake: Sidecar) -> None:
 
 
 @dataclass(frozen=True, eq=False)
-class View:
+class TracedView:
     """A path-traced picture, and the rays that see the baked object from the same camera.
 
     `repetition` is the picture with another seed, if there is one; `blocked` (N,) are the distances at which
@@ -108,7 +108,7 @@ class View:
     name: str
     reference: Picture
     repetition: Picture | None
-    rays: Rays
+    rays: CameraRays
     blocked: Array
 
 
@@ -119,48 +119,48 @@ class _Camera:
     matrix: Matrix
     reach: float  # distance from the object's middle
 
-    def rays(self, pixels: int, subsamples: int) -> Rays:
+    def rays(self, pixels: int, subsamples: int) -> CameraRays:
         turn = np.array(self.matrix.to_3x3())
-        return Rays.of_camera(np.array(self.matrix.translation), turn, _HALF, pixels, subsamples)
+        return CameraRays.of_camera(np.array(self.matrix.translation), turn, _HALF, pixels, subsamples)
 
 
 def make_views(
     shown: Reference, surface: BakedSurface, count: int, pixels: int, samples: int, folder: Path
-) -> Generator[Step, None, list[View]]:
+) -> Generator[ReportStep, None, list[TracedView]]:
     """Render `count` views around the surface in the scenes `shown`: square, denoised, the first one twice.
 
     `folder` is for temporary files. Yields progress. Raises InputError if other objects hide the object on
     all sides, BakeError if Cycles fails.
     """
     cameras = yield from _clear_cameras(shown.before, surface, count, folder)
-    views: list[View] = []
+    views: list[TracedView] = []
     for index, camera in enumerate(cameras):
-        yield Step(Task.REFERENCE, len(views) + bool(views), len(cameras) + 1)
+        yield ReportStep(ReportTask.REFERENCE, len(views) + bool(views), len(cameras) + 1)
         rays = camera.rays(pixels, min(_SUBSAMPLES, MOST_PIXELS // pixels))
         blocked = _distances(shown.before, camera, rays, folder)
         reference = _picture(shown.pictured, camera, pixels, samples, _SEEDS[0], folder)
         again = None
         if index == 0:
-            yield Step(Task.REFERENCE, 1, len(cameras) + 1)
+            yield ReportStep(ReportTask.REFERENCE, 1, len(cameras) + 1)
             again = _picture(shown.pictured, camera, pixels, samples, _SEEDS[1], folder)
-        views.append(View(f"View {index + 1}", reference, again, rays, blocked))
-    yield Step(Task.REFERENCE, len(cameras) + 1, len(cameras) + 1)
+        views.append(TracedView(f"View {index + 1}", reference, again, rays, blocked))
+    yield ReportStep(ReportTask.REFERENCE, len(cameras) + 1, len(cameras) + 1)
     return views
 
 
-def seen(surface: BakedSurface, view: View) -> GBuffer:
+def seen(surface: BakedSurface, view: TracedView) -> GBuffer:
     """The G-buffer of the surface in a view."""
     return surface.gbuffer(view.rays, view.blocked)
 
 
 def _clear_cameras(
     scratch: bpy.types.Scene, surface: BakedSurface, count: int, folder: Path
-) -> Generator[Step, None, list[_Camera]]:
+) -> Generator[ReportStep, None, list[_Camera]]:
     """The first `count` cameras around the object that see it well, or else the best of those tested."""
     good: list[_Camera] = []
     poor: list[tuple[float, _Camera]] = []
     for index, camera in enumerate(_around(surface, count * _TRIES)):
-        yield Step(Task.FIND_VIEWS, len(good), count)
+        yield ReportStep(ReportTask.FIND_VIEWS, len(good), count)
         share = _share_seen(scratch, surface, camera, folder)
         if share >= _CLEAR:
             good.append(camera)
@@ -200,7 +200,7 @@ def _share_seen(scratch: bpy.types.Scene, surface: BakedSurface, camera: _Camera
     return float(found.sum()) / max(float(alone.sum()), _THIN * len(rays.away))
 
 
-def _distances(scratch: bpy.types.Scene, camera: _Camera, rays: Rays, folder: Path) -> Array:
+def _distances(scratch: bpy.types.Scene, camera: _Camera, rays: CameraRays, folder: Path) -> Array:
     """The distance along each ray to just behind the first thing that renders; huge if there is none."""
     count = rays.pixels * rays.subsamples
     with scene_copied(scratch) as scene:

@@ -57,7 +57,7 @@ from .output_files import BakeOutput, OutputFiles, earlier_images, images_of
 from .ownership import ELSEWHERE, Overwrite, check_same_subject, is_of_spec, reasons_to_ask
 
 
-class State(Enum):
+class FolderState(Enum):
     """What there is by a bake's name; UNFINISHED also beside a finished bake, as the picture above has it."""
 
     NOTHING = "nothing"
@@ -82,14 +82,14 @@ class BakeFolder:
     # What is there?
 
     @property
-    def state(self) -> State:
+    def state(self) -> FolderState:
         if is_unfinished(self.files.unfinished):
-            return State.UNFINISHED
-        return State.FINISHED if self.files.sidecar.is_file() else State.NOTHING
+            return FolderState.UNFINISHED
+        return FolderState.FINISHED if self.files.sidecar.is_file() else FolderState.NOTHING
 
     def is_finished(self) -> bool:
         """Whether a finished bake of this specification is there; False if its sidecar cannot be read."""
-        if self.state is not State.FINISHED:
+        if self.state is not FolderState.FINISHED:
             return False
         try:
             facts = read_facts(self.files.sidecar)
@@ -101,7 +101,7 @@ class BakeFolder:
 
     def only_completes(self, overwrite: bool, resume: bool) -> bool:
         """Whether resuming finds a finished bake, so that only a missing preview or exports are made."""
-        return resume and not overwrite and self.state is State.FINISHED
+        return resume and not overwrite and self.state is FolderState.FINISHED
 
     def misses_preview(self) -> bool:
         """Whether a preview is wanted but missing."""
@@ -120,7 +120,7 @@ class BakeFolder:
 
         Raises InputError for the key of an unfinished bake that cannot be read.
         """
-        if self.state is State.UNFINISHED:
+        if self.state is FolderState.UNFINISHED:
             begun = self.begun_facts()
             try:
                 return form_of_layout(Layout(begun["layout"])), int(begun["bucket"])
@@ -154,7 +154,7 @@ class BakeFolder:
         if self._adds and not files.sidecar.exists():
             done = "accumulate onto" if self.spec.accumulate else "refresh"
             raise InputError(f"{files.sidecar} is not there to {done}: bake it first, without that")
-        if self.state is State.UNFINISHED:
+        if self.state is FolderState.UNFINISHED:
             self._check_unfinished(overwrite, resume)
             return
         if resume:
@@ -277,7 +277,7 @@ class BakeFolder:
         `earlier` is the digest that the atlas to accumulate onto or to refresh had. Raises InputError.
         """
         announced = checkpoints.is_announced(self.files.unfinished)
-        if self.state is State.UNFINISHED and not (overwrite or announced):
+        if self.state is FolderState.UNFINISHED and not (overwrite or announced):
             raise self._unfinished()
         if earlier is not None and digest(self.files.atlas) != earlier:
             raise InputError(f"{self.files.atlas} has changed since this bake began: start it again")

@@ -14,7 +14,7 @@ from ..formats.containers.texture import PixelFormat, most_levels
 from ..formats.image_files import Shapes
 from .entry import Container
 from .export_spec import Arrangement, ExportSpec, TextureFormat
-from .stream import Light
+from .stream import LightRange
 
 _STORED = {
     TextureFormat.EXR: (Container.EXR, PixelFormat.RGBA16F),
@@ -34,7 +34,7 @@ def choose(form: TextureFormat) -> Remedy:
 
 def choice(
     source: Path,
-    light: Callable[[], Light],
+    light: Callable[[], LightRange],
     spec: ExportSpec,
     container: Container,
     straddled: Message | None,

@@ -14,7 +14,7 @@ from ..core.messages import Setting, do, leave_out
 from ..settings.choices import parse_layer
 from ..settings.targets import Target, TextureFormat
 
-__all__ = ["Arrangement", "ExportSpec", "Step", "Target", "Task", "TextureFormat"]
+__all__ = ["Arrangement", "ExportSpec", "ExportStep", "ExportTask", "Target", "TextureFormat"]
 
 
 class Arrangement(StrEnum):
@@ -76,7 +76,7 @@ class ExportSpec:
         return self.limit or self.target.traits.most_pixels
 
 
-class Task(StrEnum):
+class ExportTask(StrEnum):
     """The tasks of an export, in order."""
 
     TEXTURES = "textures"
@@ -86,9 +86,9 @@ class Task(StrEnum):
 
 
 @dataclass(frozen=True)
-class Step:
+class ExportStep:
     """`done` of `total` units of a task are finished."""
 
-    stage: Task
+    stage: ExportTask
     done: int
     total: int

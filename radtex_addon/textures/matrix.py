@@ -12,7 +12,7 @@ from ..core.arrangements import Pages, check_slices, fitting_levels, fitting_pag
 from ..core.atlas import AtlasLayout
 from ..core.errors import InputError
 from ..formats.containers.exr_rows import ImageRows
-from ..formats.containers.texture import MOST_PIXELS, Form, most_levels
+from ..formats.containers.texture import MOST_PIXELS, TextureShape, most_levels
 from ..formats.containers.texture_file import texture_file
 from .choice import (
     check_limit,
@@ -49,7 +49,7 @@ def write_matrix(image: ImageRows, layout: AtlasLayout, spec: ExportSpec, folder
     layers = layout.bucket**2 if sliced else pages.layers
     stored = most_levels(width, height) if spec.target.traits.all_levels and levels > 1 else levels
     path = folder / source.with_suffix(f".{container}").name
-    with texture_file(Form(kind, width, height, layers, stored, is_array), folder) as texture:
+    with texture_file(TextureShape(kind, width, height, layers, stored, is_array), folder) as texture:
         if sliced:
             pour_slices(image, layout, texture)
         else:

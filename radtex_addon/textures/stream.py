@@ -17,20 +17,20 @@ from ..formats.containers.texture_file import TextureFile
 
 
 @dataclass(frozen=True)
-class Light:
+class LightRange:
     """What limits how an image can be stored: whether alpha is 1 everywhere, and the least value of light."""
 
     opaque: bool
     least: float
 
 
-def light_of(image: ImageRows) -> Light:
-    """Read all of an image to find its `Light`. Raises FormatError for a damaged file."""
+def light_of(image: ImageRows) -> LightRange:
+    """Read all of an image to find its `LightRange`. Raises FormatError for a damaged file."""
     opaque, least = True, np.float64(np.inf)
     for _, rows in image.bands():
         opaque = opaque and (image.channels < 4 or bool((rows[..., 3].astype(np.float16) == 1).all()))
         least = np.minimum(least, rows[..., :3].min())
-    return Light(opaque, float(least))
+    return LightRange(opaque, float(least))
 
 
 def pour_matrix(

@@ -21,7 +21,7 @@ from ..formats.disk.atomic import replacing
 from .choice import check_limit, choice, container_of
 from .entry import Arranged, Container, TextureEntry
 from .export_spec import ExportSpec, TextureFormat
-from .stream import Light
+from .stream import LightRange
 
 _BLOCK = PixelFormat.BC6H.side
 
@@ -161,6 +161,6 @@ def entry_of(
     )
 
 
-def _light_of(image: Floats) -> Light:
+def _light_of(image: Floats) -> LightRange:
     opaque = image.shape[2] < 4 or bool((image[..., 3].astype(np.float16) == 1).all())
-    return Light(opaque, float(image[..., :3].min()))
+    return LightRange(opaque, float(image[..., :3].min()))

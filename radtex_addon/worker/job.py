@@ -16,7 +16,7 @@ from .order import Order, Work
 _NOTHING = Message("")
 
 
-class State(StrEnum):
+class JobState(StrEnum):
     """The state of a job; the last three are final."""
 
     WAITING = "waiting"
@@ -49,7 +49,7 @@ class Job:
 
     number: int
     order: Order
-    state: State = State.WAITING
+    state: JobState = JobState.WAITING
     cancelling: bool = False
     stage: str | None = None
     fraction: float = 0.0
@@ -81,7 +81,7 @@ class Job:
     @property
     def ended(self) -> bool:
         """Whether the state is final."""
-        return self.state not in (State.WAITING, State.RUNNING)
+        return self.state not in (JobState.WAITING, JobState.RUNNING)
 
     def hears(self, event: Mapping[str, Any]) -> Job:
         """The job after the worker's `event`; unknown events change nothing."""
@@ -100,9 +100,9 @@ class Job:
                 return replace(self, files=files, message=Message(str(event["summary"])), facts=event)
         return self
 
-    def ends(self, state: State, message: Message, took: float | None = None) -> Job:
+    def ends(self, state: JobState, message: Message, took: float | None = None) -> Job:
         """The job after its worker has ended; an empty message keeps the current one."""
-        whole = 1.0 if state is State.DONE else self.fraction
+        whole = 1.0 if state is JobState.DONE else self.fraction
         return replace(
             self,
             state=state,

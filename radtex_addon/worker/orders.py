@@ -12,17 +12,15 @@ from typing import TYPE_CHECKING, Any
 from ..bake.progress import Stage
 from ..core.sampler import Filter
 from ..job.variants import Bake, variant_of
-from ..report.report_progress import Task
+from ..report.report_progress import ReportTask
 from ..settings.kinds import is_default_kind
 from ..settings.spec import BakeSpec, as_json, facts_of
-from ..textures.export_spec import ExportSpec, Target
-from ..textures.export_spec import Step as ExportStep
-from ..textures.export_spec import Task as ExportTask
+from ..textures.export_spec import ExportSpec, ExportStep, ExportTask, Target
 from .order import Handover, Order, Work, parts
 
 if TYPE_CHECKING:
     from ..report.side_by_side import ComparisonSpec
-    from ..report.viewpoint import Eye
+    from ..report.viewpoint import Viewpoint
 
 # How long stages take, in parts of the whole: roughly, for a bar that runs evenly enough.
 _BAKE = {
@@ -41,7 +39,7 @@ _BAKE = {
 MEASURING = "measure"  # the stage of an estimate, in objects
 EXPORTING = "export"  # the stage of an export of several bakes, in bakes
 _EXPORT = {ExportTask.TEXTURES: 6, ExportTask.FLAT: 2, ExportTask.MESH: 1, ExportTask.PACK: 1}
-_COMPARISON = {Task.REFERENCE: 20, Task.COMPARE: 1}
+_COMPARISON = {ReportTask.REFERENCE: 20, ReportTask.COMPARE: 1}
 
 
 def order_bake(
@@ -148,7 +146,7 @@ def order_comparison(
     handover: Handover,
     names: Sequence[str],
     bake: Path | None,
-    eye: Eye,
+    eye: Viewpoint,
     spec: ComparisonSpec,
     out: Path,
 ) -> Order:

@@ -23,7 +23,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 from ..core.errors import Cancelled, InputError
 from ..core.messages import Message
-from .job import State
+from .job import JobState
 
 PATIENCE = 1.0  # seconds that a cancelled worker has for itself
 _NICER = 10  # levels of niceness above this process: Blender's window goes before
@@ -35,7 +35,7 @@ Event: TypeAlias = Mapping[str, Any]
 class Ended(NamedTuple):
     """The final state of a worker, why it failed, if it did, and what it last said on standard error then."""
 
-    state: State
+    state: JobState
     message: Message
     log: str = ""
 
@@ -163,13 +163,13 @@ class Worker:
     def _judge(self) -> Ended:
         code = self._process.wait()
         if code == 0 and self._is_done:  # a Blender that runs no scripts is content with itself
-            return Ended(State.DONE, Message(""))
+            return Ended(JobState.DONE, Message(""))
         if self._cancelled or code == Cancelled.exit_code:
-            return Ended(State.CANCELLED, Message("cancelled"))
+            return Ended(JobState.CANCELLED, Message("cancelled"))
         self._errors.seek(0)
         log = self._errors.read().decode(errors="replace")
         message = self._error or Message(self._explain(_reason(code, log)))
-        return Ended(State.FAILED, message, log[-_LOG:])
+        return Ended(JobState.FAILED, message, log[-_LOG:])
 
 
 def _reason(code: int, log: str) -> str:

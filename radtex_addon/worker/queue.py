@@ -15,7 +15,7 @@ from time import monotonic, time
 from ..core.errors import RadTexError
 from ..core.messages import Message
 from ..formats.disk.atomic import remove_unfinished
-from .job import Job, State
+from .job import Job, JobState
 from .order import Order, Program, command_line, write_order
 from .process import Worker
 
@@ -54,7 +54,7 @@ class Queue:
         if self._running is not None:
             self._hear(*self._running)
         if self._running is None:
-            waiting = next((entry for entry in self._entries if entry.job.state is State.WAITING), None)
+            waiting = next((entry for entry in self._entries if entry.job.state is JobState.WAITING), None)
             if waiting is not None:
                 self._start(waiting)
         self._show_life()
@@ -101,14 +101,14 @@ class Queue:
             command = command_line(self._program, order, write_order(order))
             worker = Worker(command, order.folder, order.ended_early)
         except RadTexError as error:
-            self._end(entry, State.FAILED, error.message)
+            self._end(entry, JobState.FAILED, error.message)
             return
         except OSError as error:
-            self._end(entry, State.FAILED, Message(str(error)))
+            self._end(entry, JobState.FAILED, Message(str(error)))
             return
         self._running = entry, worker
         entry.started = monotonic()
-        entry.job = replace(entry.job, state=State.RUNNING)
+        entry.job = replace(entry.job, state=JobState.RUNNING)
 
     def _hear(self, entry: _Entry, worker: Worker) -> None:
         for event in worker.events():
@@ -117,7 +117,7 @@ class Queue:
             return
         self._running = None
         worker.close()
-        if worker.ended.state is not State.DONE:
+        if worker.ended.state is not JobState.DONE:
             remove_unfinished(entry.job.out, worker.pid)
         entry.job = replace(entry.job, log=worker.ended.log)
         self._end(entry, worker.ended.state, worker.ended.message)
@@ -127,9 +127,9 @@ class Queue:
             entry.job = replace(entry.job, cancelling=True)
             self._running[1].cancel()
         else:
-            self._end(entry, State.CANCELLED, Message("cancelled"))
+            self._end(entry, JobState.CANCELLED, Message("cancelled"))
 
-    def _end(self, entry: _Entry, state: State, message: Message) -> None:
+    def _end(self, entry: _Entry, state: JobState, message: Message) -> None:
         took = None if entry.started is None else monotonic() - entry.started
         entry.job = entry.job.ends(state, message, took)
         folder = entry.job.order.folder

@@ -22,7 +22,7 @@ import numpy as np
 
 from radtex_addon.core.blas import one_blas_thread
 from radtex_addon.forms.layered.fit.fitting import fit_layered
-from radtex_addon.forms.layered.samples import Capture
+from radtex_addon.forms.layered.samples import LayeredSamples
 from radtex_addon.settings.spec import BakeSpec, Layout
 
 from .fidelity.choice import names_of
@@ -53,7 +53,7 @@ def ball() -> Stage:
     return with_cameras("ball", item)
 
 
-def seconds(capture: Capture) -> list[tuple[float, float]]:
+def seconds(capture: LayeredSamples) -> list[tuple[float, float]]:
     """Seconds of processors, and of the clock, that each of the `_STEPS` of a fit takes."""
     found = []
     with one_blas_thread():

@@ -28,7 +28,7 @@ from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.formats.codecs.rgb9e5 import encode_rgb9e5
 from radtex_addon.formats.containers.exr import read_atlas
 from radtex_addon.report.finished_bake import find_bake, read_bake
-from radtex_addon.report.gbuffer import BakedSurface, GBuffer, Rays
+from radtex_addon.report.gbuffer import BakedSurface, CameraRays, GBuffer
 from radtex_addon.report.metrics import psnr
 from radtex_addon.scene.preview_file import baked_copy
 from tests.reference.levels import level_chain, sample_level
@@ -110,7 +110,7 @@ def seen(surface: BakedSurface, view: str, pixels: int) -> GBuffer:
     right /= np.linalg.norm(right)
     turn = np.column_stack([right, np.cross(away, right), away])
     place = (low + high) / 2 + beside * size * right + REACH * distance * size * away
-    rays = Rays.of_camera(place, turn, HALF, pixels, 1)
+    rays = CameraRays.of_camera(place, turn, HALF, pixels, 1)
     return surface.gbuffer(rays, np.full(len(rays.away), np.inf))
 
 

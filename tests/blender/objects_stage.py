@@ -16,7 +16,7 @@ from mathutils import Vector
 
 from radtex_addon.formats.sidecar_file import SidecarFile
 from radtex_addon.report.finished_bake import read_bake
-from radtex_addon.report.gbuffer import Array, BakedSurface, Rays
+from radtex_addon.report.gbuffer import Array, BakedSurface, CameraRays
 from radtex_addon.report.metrics import Mask, Picture
 from radtex_addon.scene.preview_file import baked_copy
 from tests.bench.fidelity.rendering import Rendering, render
@@ -137,11 +137,11 @@ def _camera(name: str, azimuth: float, elevation: float) -> bpy.types.Object:
     return item
 
 
-def looking(camera: Any, pixels: int = PIXELS) -> Rays:
+def looking(camera: Any, pixels: int = PIXELS) -> CameraRays:
     """One ray for each pixel."""
     half = camera.data.sensor_width / 2 / camera.data.lens
     turn = np.array(camera.rotation_euler.to_matrix())
-    return Rays.of_camera(np.array(camera.location), turn, half, pixels, 1)
+    return CameraRays.of_camera(np.array(camera.location), turn, half, pixels, 1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -204,7 +204,7 @@ def _path_traced(stage: Stage, camera: bpy.types.Object, sidecars: list[Path]) -
     return picture
 
 
-def _lit(sidecar: Path, rays: Rays) -> tuple[npt.NDArray[np.float64], Array]:
+def _lit(sidecar: Path, rays: CameraRays) -> tuple[npt.NDArray[np.float64], Array]:
     """Where rays meet a bake's surface, (N,), infinite where they do not, and the light there (N, 3)."""
     bake = read_bake(SidecarFile.read(sidecar))
     facts = bake.sidecar

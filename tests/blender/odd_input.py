@@ -12,7 +12,7 @@ from typing import Any, cast
 import bpy
 import numpy as np
 
-from radtex_addon.report.gbuffer import BakedSurface, Rays
+from radtex_addon.report.gbuffer import BakedSurface, CameraRays
 from radtex_addon.report.metrics import Picture
 from radtex_addon.settings.spec import BakeSpec, Layout, Unwrap
 from tests.bench.fidelity.composite import seen_light
@@ -140,7 +140,7 @@ def looked_at(stage: Stage, folder: Path, texels: int, method: Any = None) -> Se
     data = cast(bpy.types.Camera, camera.data)
     turn = np.array(cast(Any, camera).rotation_euler.to_matrix())
     half = data.sensor_width / 2 / data.lens
-    rays = Rays.of_camera(np.array(cast(Any, camera.location)), turn, half, PIXELS, 1)
+    rays = CameraRays.of_camera(np.array(cast(Any, camera.location)), turn, half, PIXELS, 1)
     blocked = distances(blockers(stage), rays)
     surface = BakedSurface(baked.mesh, baked.matrix_world, baked.uv_layer)
     first = surface.gbuffer(rays, blocked)

@@ -18,7 +18,7 @@ from radtex_addon.core.frame import orthonormal_frame
 from radtex_addon.scene.mesh.evaluated import EvaluatedMesh, evaluate
 from radtex_addon.scene.scratch import scratch_scene
 from radtex_addon.scene.uv.unwrap import unwrap_steps
-from radtex_addon.scene.uv.unwrap_options import UnwrapOptions, Unwrapped
+from radtex_addon.scene.uv.unwrap_options import AtlasUnwrap, UnwrapOptions
 from radtex_addon.settings.spec import Unwrap
 
 
@@ -30,7 +30,7 @@ def read(item: Any) -> EvaluatedMesh:
 
 def unwrapped(
     mesh: EvaluatedMesh, texels: int, options: UnwrapOptions | None = None, method: Unwrap = Unwrap.XATLAS
-) -> Unwrapped:
+) -> AtlasUnwrap:
     """The mesh's unwrap, without progress."""
     return finished(unwrap_steps(mesh, texels, method, options))
 

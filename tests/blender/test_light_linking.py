@@ -17,7 +17,7 @@ from radtex_addon.job import bake_object
 from radtex_addon.preview.apply_copy import apply_to_copies
 from radtex_addon.preview.swap import previews_not_rendered, previews_off, switch_off, switch_on
 from radtex_addon.report.side_by_side import ComparisonSpec, compare_steps
-from radtex_addon.report.viewpoint import Eye
+from radtex_addon.report.viewpoint import Viewpoint
 from radtex_addon.settings.spec import BakeSpec, Layout
 from tests.blender import stage
 from tests.blender.fingerprint import differences, fingerprint
@@ -182,7 +182,7 @@ def test_both_sides_of_a_comparison_have_the_scenes_light(tmp_path: Path, is_on:
     before, sidecar = members(), made.files.sidecar
     if is_on:
         switch_on(left, sidecar)
-    eye = Eye.of_camera(scene, context.view_layer)
+    eye = Viewpoint.of_camera(scene, context.view_layer)
     found = progress.finished(
         compare_steps(scene, {left: None if is_on else sidecar}, eye, ComparisonSpec(32, 4))
     )

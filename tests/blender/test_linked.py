@@ -19,7 +19,7 @@ from radtex_addon.export.exporting import export_steps
 from radtex_addon.job import bake_object
 from radtex_addon.report.report_bake import ReportSpec, report_path, report_steps
 from radtex_addon.report.side_by_side import ComparisonSpec, compare_steps
-from radtex_addon.report.viewpoint import Eye
+from radtex_addon.report.viewpoint import Viewpoint
 from radtex_addon.settings.spec import BakeSpec
 from radtex_addon.textures.export_spec import ExportSpec, Target
 from tests.blender import stage
@@ -202,10 +202,10 @@ def test_a_linked_source_cannot_be_hidden_for_a_comparison(tmp_path: Path, out: 
     context.object.name = "Low"
     spec = replace(TINY, source="Ball", extrusion=0.5)
     sidecar = bake_object(context.scene, "Low", spec, out, preview=Filter.QUADRILINEAR).files.sidecar
-    camera = bpy.data.objects.new("Eye", bpy.data.cameras.new("Eye"))
+    camera = bpy.data.objects.new("Viewpoint", bpy.data.cameras.new("Viewpoint"))
     context.scene.collection.objects.link(camera)
     context.scene.camera, camera.location = camera, (0, 0, 5)
     context.view_layer.update()
-    eye = Eye.of_camera(context.scene, context.view_layer)
+    eye = Viewpoint.of_camera(context.scene, context.view_layer)
     with pytest.raises(InputError, match=r"object 'Ball' is linked from library\.blend, where nothing"):
         next(compare_steps(context.scene, {bpy.data.objects["Low"]: sidecar}, eye, ComparisonSpec(32, 1)))

@@ -21,13 +21,13 @@ from radtex_addon.core.messages import Message
 from radtex_addon.core.uv_map import island_colours
 from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.job import bake_object
-from radtex_addon.report.gbuffer import BakedSurface, Rays
+from radtex_addon.report.gbuffer import BakedSurface, CameraRays
 from radtex_addon.report.map_pictures import map_pictures, square_for
-from radtex_addon.report.views import View
+from radtex_addon.report.views import TracedView
 from radtex_addon.settings.spec import BakeSpec, Unwrap
 from radtex_addon.ui.panel.labels import remark
 from radtex_addon.worker.handover import hand_over, this_program
-from radtex_addon.worker.job import JobMap, State
+from radtex_addon.worker.job import JobMap, JobState
 from radtex_addon.worker.orders import order_bake
 from radtex_addon.worker.queue import Queue
 from tests.blender.batch_process import Batch
@@ -141,7 +141,7 @@ def test_a_worker_tells_of_the_map_while_it_bakes(out: Path, tmp_path: Path) -> 
     while queue.advance():
         sleep(0.05)
     (job,) = queue.snapshot()
-    assert job.state is State.DONE, job.message
+    assert job.state is JobState.DONE, job.message
     assert job.map == JobMap(tmp_path / "a.map.png", 2, 0.08)
     assert job.map.picture.read_bytes()[:4] == b"\x89PNG"
     assert (job.facts["islands"], job.facts["coverage"]) == (2, 0.08)
@@ -176,9 +176,11 @@ def test_a_checker_lies_on_the_texels() -> None:
         layer.uv[loop.index].vector = [place[0] / 6 + 0.5, place[1] / 6 + 0.5]
     give_frame(card)
     surface = BakedSurface(card, np.eye(4), "Baked")
-    rays = Rays.of_camera((0, 0, 500), np.eye(3), 5 / 500, 40, 4)  # 10 x 10 wide, from afar: 4 pixels a unit
+    rays = CameraRays.of_camera(
+        (0, 0, 500), np.eye(3), 5 / 500, 40, 4
+    )  # 10 x 10 wide, from afar: 4 pixels a unit
     nothing = np.zeros((40, 40, 3))
-    view = View("View 1", nothing, None, rays, np.full(len(rays.away), np.inf))
+    view = TracedView("View 1", nothing, None, rays, np.full(len(rays.away), np.inf))
     found = map_pictures(surface, [view], 6, 6)  # a texel is a unit
     assert (found.islands, found.square) == (1, 1)
     assert found.coverage == pytest.approx(1)

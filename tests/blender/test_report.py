@@ -18,9 +18,9 @@ from radtex_addon.core.errors import FormatError, InputError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.formats.sidecar_file import SidecarFile
 from radtex_addon.job import bake_object
-from radtex_addon.report.causes import Cause, Variant, first_change
+from radtex_addon.report.causes import Cause, HalvedBake, first_change
 from radtex_addon.report.finished_bake import find_bake, read_bake
-from radtex_addon.report.gbuffer import BakedSurface, Rays, eroded
+from radtex_addon.report.gbuffer import BakedSurface, CameraRays, eroded
 from radtex_addon.report.report_bake import ReportResult, ReportSpec, report_path, report_steps
 from radtex_addon.report.sizes import gpu_bytes, sizes_of
 from radtex_addon.settings.spec import BakeSpec, Compression, Kind, Layout, Unwrap
@@ -191,7 +191,9 @@ def test_rays_meet_a_card_where_they_should() -> None:
         layer.uv[loop.index].vector = [part / 2 + 0.5 for part in places[loop.vertex_index][:2]]
     give_frame(card)
     surface = BakedSurface(card, np.diag([3.0, 3.0, 1.0, 1.0]), "Baked")
-    rays = Rays.of_camera((0, 0, 5), np.eye(3), 1.0, 10, 1)  # 10 x 10 wide where the card is, which is 6 x 6
+    rays = CameraRays.of_camera(
+        (0, 0, 5), np.eye(3), 1.0, 10, 1
+    )  # 10 x 10 wide where the card is, which is 6 x 6
     buffer = surface.gbuffer(rays, np.full(100, np.inf))
     assert buffer.inside.sum() == 36
     assert eroded(buffer.inside).sum() == 16
@@ -279,8 +281,8 @@ def finished(out: Path) -> Any:
     return read_bake(bake("Ball", TINY, out))
 
 
-def variant(cause: Cause, value: int, lost: float) -> Variant:
-    return Variant(cause, value, 20.0, None, lost, 1000, 1000)
+def variant(cause: Cause, value: int, lost: float) -> HalvedBake:
+    return HalvedBake(cause, value, 20.0, None, lost, 1000, 1000)
 
 
 def test_what_costs_most_is_changed_first(finished: Any) -> None:

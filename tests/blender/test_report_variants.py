@@ -19,7 +19,7 @@ from radtex_addon.preview.swap import switch_off, switch_on
 from radtex_addon.report.finished_bake import find_bake, read_bake
 from radtex_addon.report.report_bake import ReportResult, ReportSpec, report_path, report_steps
 from radtex_addon.report.side_by_side import Comparison, ComparisonSpec, compare_steps
-from radtex_addon.report.viewpoint import Eye
+from radtex_addon.report.viewpoint import Viewpoint
 from radtex_addon.settings.spec import BakeSpec, Kind, Unwrap
 from tests.blender import stage
 from tests.blender.batch_process import Batch
@@ -47,11 +47,11 @@ def report(sidecar: Path, spec: ReportSpec = QUICK) -> ReportResult:
 
 def compare(bakes: dict[str, Path | None], place: tuple[float, float, float] = (0, 0, 5)) -> Comparison:
     """From a camera that looks down from that place."""
-    camera = bpy.data.objects.new("Eye", bpy.data.cameras.new("Eye"))
+    camera = bpy.data.objects.new("Viewpoint", bpy.data.cameras.new("Viewpoint"))
     context.scene.collection.objects.link(camera)
     context.scene.camera, camera.location = camera, place
     context.view_layer.update()
-    eye = Eye.of_camera(context.scene, context.view_layer)
+    eye = Viewpoint.of_camera(context.scene, context.view_layer)
     named = {bpy.data.objects[name]: sidecar for name, sidecar in bakes.items()}
     return progress.finished(compare_steps(context.scene, named, eye, ComparisonSpec(32, 8)))
 

@@ -18,7 +18,7 @@ from radtex_addon.core.arrays import Bools, Floats
 from radtex_addon.core.islands import find_overlap
 from radtex_addon.cycles.find_hidden import find_hidden
 from radtex_addon.prepare.prepared import Prepared, prepare
-from radtex_addon.report.gbuffer import BakedSurface, GBuffer, Rays
+from radtex_addon.report.gbuffer import BakedSurface, CameraRays, GBuffer
 from radtex_addon.scene.mesh.backs import (
     TWIN,
     fronts,
@@ -65,7 +65,7 @@ def bowl() -> Any:
 
 def looking(surface: BakedSurface, place: Floats, turn: Floats) -> GBuffer:
     """From a camera at `place` whose axes are the columns of `turn`."""
-    rays = Rays.of_camera(place, turn, 0.15, 8, 1)
+    rays = CameraRays.of_camera(place, turn, 0.15, 8, 1)
     return surface.gbuffer(rays, np.full(len(rays.away), np.inf))
 
 

@@ -19,14 +19,14 @@ from radtex_addon.core.surface import SurfaceMesh
 from radtex_addon.core.texel_map import rasterise
 from radtex_addon.scene.mesh.evaluated import EvaluatedMesh
 from radtex_addon.scene.uv.unwrap import estimate_seconds
-from radtex_addon.scene.uv.unwrap_options import UnwrapOptions, Unwrapped
+from radtex_addon.scene.uv.unwrap_options import AtlasUnwrap, UnwrapOptions
 from radtex_addon.scene.uv.uv_layer import user_uv
 from radtex_addon.settings.spec import Unwrap as Method
 from tests.blender.stage import read, unwrapped
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
 METHODS = (Method.UVUNWRAP, Method.XATLAS, Method.BLENDER)
-Unwrap = Callable[[EvaluatedMesh, int, UnwrapOptions], Unwrapped]
+Unwrap = Callable[[EvaluatedMesh, int, UnwrapOptions], AtlasUnwrap]
 ALL = pytest.mark.parametrize(
     "unwrap", [partial(unwrapped, method=method) for method in METHODS], ids=METHODS
 )
@@ -43,7 +43,7 @@ def cube() -> EvaluatedMesh:
     return read(context.object)
 
 
-def coverage(evaluated: EvaluatedMesh, done: Unwrapped, reach: float) -> Bools:
+def coverage(evaluated: EvaluatedMesh, done: AtlasUnwrap, reach: float) -> Bools:
     """For every island on its own, the texels that lie within `reach` of it: (islands, H, W)."""
     island = uv_islands(evaluated.triangles, done.uv)
     blank = np.zeros((len(evaluated.triangles), 3, 3))

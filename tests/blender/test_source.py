@@ -27,7 +27,7 @@ from radtex_addon.job import bake_object, bake_steps
 from radtex_addon.prepare.prepared import Prepared, prepare
 from radtex_addon.preview.swap import copy_of, originals_rendered, switch_off, switch_on
 from radtex_addon.report.side_by_side import Comparison, ComparisonSpec, compare_steps
-from radtex_addon.report.viewpoint import Eye
+from radtex_addon.report.viewpoint import Viewpoint
 from radtex_addon.scene.objects import find_object
 from radtex_addon.scene.scratch import scratch_scene
 from radtex_addon.settings.spec import BakeSpec, CaptureMethod, Kind, Unwrap
@@ -371,7 +371,7 @@ def test_a_comparison_is_with_the_high_object_and_the_preview_without_it(out: Pa
     made = bake_object(context.scene, "Low", SPEC, out, preview=Filter.QUADRILINEAR)
     bpy.ops.object.camera_add(location=(0, -5, 0), rotation=(np.pi / 2, 0, 0))
     context.scene.camera = context.object
-    eye = Eye.of_camera(context.scene, context.view_layer)
+    eye = Viewpoint.of_camera(context.scene, context.view_layer)
     spec = ComparisonSpec(pixels=64, samples=4, device="cpu")
     found = _result(compare_steps(context.scene, {bpy.data.objects["Low"]: made.files.sidecar}, eye, spec))
     print(f"\n{found.figures.psnr:.1f} dB")

@@ -25,12 +25,12 @@ from radtex_addon.preview.swap import copy_of
 from radtex_addon.report.finished_bake import find_bakes
 from radtex_addon.report.shown import bakes_of, shown_bake
 from radtex_addon.report.side_by_side import ComparisonSpec, compare_steps
-from radtex_addon.report.viewpoint import Eye
+from radtex_addon.report.viewpoint import Viewpoint
 from radtex_addon.settings.spec import BakeSpec, Kind, Split, View
 from radtex_addon.textures.export_spec import ExportSpec, Target
 from radtex_addon.ui.panel import jobs_panel
 from radtex_addon.worker.handover import hand_over
-from radtex_addon.worker.job import Job, State
+from radtex_addon.worker.job import Job, JobState
 from radtex_addon.worker.orders import order_bake
 from tests.blender.recorded_layout import RecordedLayout
 from tests.blender.test_export_gltf import corners
@@ -154,15 +154,15 @@ def test_a_job_shows_its_own_bake_and_has_no_arrow_for_several_objects(out: Path
     assert order.shared == tuple(ROOM)
     files = (out / "Room.radiance.exr", out / "Room.radiance.json", out / "Room.preview.blend")
     done, failed = RecordedLayout(), RecordedLayout()
-    jobs_panel._draw_job(done, Job(1, order, State.DONE, files=files))
+    jobs_panel._draw_job(done, Job(1, order, JobState.DONE, files=files))
     drawn = dict(done.buttons)
     for name in ("radtex.preview_toggle", "radtex.compare", "radtex.export", "radtex.show_in_browser"):
         assert (drawn[name].object, drawn[name].bake) == ("Room", str(files[1]))
-    jobs_panel._draw_job(failed, Job(2, order, State.FAILED))
+    jobs_panel._draw_job(failed, Job(2, order, JobState.FAILED))
     assert [name for name, _ in failed.buttons] == ["radtex.clear_jobs", "radtex.copy_report"]
     failed.buttons.clear()
     alone = order_bake(handover, "Left", TINY, out, Filter.NEAREST)
-    jobs_panel._draw_job(failed, Job(3, alone, State.CANCELLED))
+    jobs_panel._draw_job(failed, Job(3, alone, JobState.CANCELLED))
     assert [name for name, _ in failed.buttons] == ["radtex.clear_jobs", "radtex.bake"]
 
 
@@ -205,7 +205,7 @@ def test_a_comparison_loads_the_image_that_objects_share_once(out: Path) -> None
     steps = compare_steps(
         context.scene,
         bakes_of([context.scene.objects[name] for name in ROOM], out),
-        Eye.of_camera(context.scene, context.view_layer),
+        Viewpoint.of_camera(context.scene, context.view_layer),
         ComparisonSpec(pixels=48, samples=1),
     )
     next(steps)

@@ -25,7 +25,7 @@ from radtex_addon.store.bake_folder import BakeFolder
 from radtex_addon.ui.jobs import estimates, jobs
 from radtex_addon.ui.panel import panel_state
 from radtex_addon.ui.settings.request import request_of, values_of
-from radtex_addon.worker.job import State
+from radtex_addon.worker.job import JobState
 from tests.blender.batch_process import Batch
 from tests.blender.test_together import ROOM, cube, glow, room, two_coloured
 from tests.blender.ui_stage import finish_jobs, ops, preferences, registered, settings
@@ -169,7 +169,7 @@ def test_other_parts_may_be_baked_meanwhile(panel: Any, tmp_path: Path, out: Pat
     jobs.submit(context.scene, [_plan(panel)])
     assert [job.order.part for job in jobs.snapshot()] == ["Hot", "Cold / wet"]
     finish_jobs()
-    assert [job.state for job in jobs.snapshot()] == [State.DONE] * 2, jobs.snapshot()
+    assert [job.state for job in jobs.snapshot()] == [JobState.DONE] * 2, jobs.snapshot()
 
 
 def test_parts_without_a_face_of_the_place_are_left_out(out: Path) -> None:

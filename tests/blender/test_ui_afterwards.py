@@ -20,7 +20,7 @@ from radtex_addon.job import bake_object
 from radtex_addon.preview.swap import is_on
 from radtex_addon.report.shown import bakes_of
 from radtex_addon.report.side_by_side import ComparisonSpec
-from radtex_addon.report.viewpoint import Eye
+from radtex_addon.report.viewpoint import Viewpoint
 from radtex_addon.settings.spec import BakeSpec, Kind
 from radtex_addon.textures.export_spec import Arrangement, ExportSpec, Target, TextureFormat
 from radtex_addon.ui import registration
@@ -318,16 +318,16 @@ def test_our_camera_sees_what_the_users_sees(kind: Any, size: tuple[int, int]) -
     scene.camera.rotation_euler = (0.3, 0.2, 0.1)
     scene.camera.data.clip_start, scene.camera.data.clip_end = 0.5, 50
     scene.render.resolution_x, scene.render.resolution_y = size
-    eye = Eye.of_camera(scene, layer)
+    eye = Viewpoint.of_camera(scene, layer)
     width, height = eye.size(300)
     assert (width, height) == size
     scene.camera = eye.camera()
     scene.collection.objects.link(scene.camera)
-    again = Eye.of_camera(scene, layer)
+    again = Viewpoint.of_camera(scene, layer)
     np.testing.assert_allclose(again.projection @ np.linalg.inv(again.matrix), _whole(eye), atol=2e-4)
 
 
-def _whole(eye: Eye) -> Any:
+def _whole(eye: Viewpoint) -> Any:
     return eye.projection @ np.linalg.inv(eye.matrix)
 
 
@@ -337,7 +337,7 @@ def _whole(eye: Eye) -> Any:
 def compare(item: Any, bake: str, size: int) -> None:
     """As the button does in a window."""
     place = Path(bake)
-    eye = Eye.of_camera(context.scene, context.view_layer)
+    eye = Viewpoint.of_camera(context.scene, context.view_layer)
     submit(context.scene, bakes_of([item], place), place, eye, ComparisonSpec(size, 1))
 
 

@@ -23,7 +23,7 @@ from radtex_addon.ui.jobs import bake_times, estimates, jobs
 from radtex_addon.ui.panel.jobs_panel import phrase, results
 from radtex_addon.ui.panel.labels import duration, size
 from radtex_addon.ui.settings.request import request_of, spec_of, values_of
-from radtex_addon.worker.job import State
+from radtex_addon.worker.job import JobState
 from tests.blender import stage
 from tests.blender.ui_stage import PATIENCE, context, ops, preferences, registered, settings
 
@@ -83,7 +83,7 @@ def test_the_panels_page_says_how_scripts_do_it(tmp_path: Path) -> None:
     assert context.scene.objects["Suzanne"].hide_render  # its preview stands there
 
 
-def wait_for(state: State) -> None:
+def wait_for(state: JobState) -> None:
     """Pulse as the timer does, until the first job is in that state."""
     until = time.monotonic() + PATIENCE
     while jobs.snapshot()[0].state is not state:
@@ -103,7 +103,7 @@ def test_a_worker_bakes_and_exports_what_the_button_asks_for(out: Path, tmp_path
     submit(texels=8, bucket=4, samples=2, export_targets={"gltf"})
     assert bpy.app.timers.is_registered(jobs._pulse)
     assert phrase(jobs.snapshot()[0]) == "Starting"
-    wait_for(State.DONE)
+    wait_for(JobState.DONE)
     (job,) = jobs.snapshot()
     assert (job.fraction, phrase(job)) == (1.0, "Done")
     assert "Card.preview.blend" in names(out)
@@ -123,7 +123,7 @@ def test_what_is_being_baked_is_not_baked_twice_and_can_be_cancelled_and_another
 ) -> None:
     plane()
     submit(texels=256, bucket=8, samples=64, preview=False)
-    wait_for(State.RUNNING)
+    wait_for(JobState.RUNNING)
     with pytest.raises(
         InputError, match="object 'Card' is being baked there already: wait for it, or cancel"
     ):
@@ -133,11 +133,11 @@ def test_what_is_being_baked_is_not_baked_twice_and_can_be_cancelled_and_another
     number = jobs.snapshot()[0].number
     assert ops.radtex.cancel(number=number) == {"FINISHED"}
     assert phrase(jobs.snapshot()[0]) == "Stopping"
-    wait_for(State.CANCELLED)
+    wait_for(JobState.CANCELLED)
     assert phrase(jobs.snapshot()[0]) == "Cancelled"
     assert ops.radtex.clear_jobs(number=number) == {"FINISHED"}
     assert [job.order.about for job in jobs.snapshot()] == ["incident"]
-    wait_for(State.DONE)
+    wait_for(JobState.DONE)
     assert (out / "Card.incident.exr").exists()
 
 
@@ -192,7 +192,7 @@ def test_a_finished_bakes_time_is_remembered_and_expected_again() -> None:
     plane()
     submit(texels=16, bucket=4, samples=2, preview=True)
     begun = time.monotonic()
-    wait_for(State.DONE)
+    wait_for(JobState.DONE)
     took = time.monotonic() - begun
     (made,) = read_history(bake_times.history_file())
     facts = jobs.snapshot()[0].facts

@@ -20,10 +20,10 @@ from radtex_addon.cli import wording
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.messages import Message, Setting, do, leave_out
 from radtex_addon.job.variants import title_of, variant_of
-from radtex_addon.report.report_progress import Task
+from radtex_addon.report.report_progress import ReportTask
 from radtex_addon.settings.options import CALLED
 from radtex_addon.settings.spec import BakeSpec
-from radtex_addon.textures.export_spec import Task as ExportTask
+from radtex_addon.textures.export_spec import ExportTask
 from radtex_addon.ui import registration
 from radtex_addon.ui.panel import draw_messages as messages_module
 from radtex_addon.ui.panel import labels
@@ -145,7 +145,7 @@ def test_messages_are_wrapped_to_the_sidebar(room: float) -> None:
 
 
 def test_every_stage_of_a_job_has_its_words() -> None:
-    compared = {Task.REFERENCE, Task.COMPARE}
+    compared = {ReportTask.REFERENCE, ReportTask.COMPARE}
     stages = {stage.value for stages in (Stage, ExportTask, compared) for stage in stages}
     assert set(labels.STAGES) == {*stages, EXPORTING}
     assert labels.stage(None) == "Starting"

@@ -16,7 +16,7 @@ from radtex_addon.formats.containers.png import encode_png
 from radtex_addon.settings.spec import BakeSpec
 from radtex_addon.ui.jobs import pictures
 from radtex_addon.ui.panel.jobs_panel import map_figures
-from radtex_addon.worker.job import Job, JobMap, State
+from radtex_addon.worker.job import Job, JobMap, JobState
 from radtex_addon.worker.order import Handover
 from radtex_addon.worker.orders import order_bake
 
@@ -31,7 +31,7 @@ def job(tmp_path: Path, number: int = 1) -> Job:
     path = tmp_path / f"{number}.png"
     handover = Handover(tmp_path, tmp_path / "room.blend", "Scene", None, "cpu", 0.0)
     order = order_bake(handover, "Card", BakeSpec(), tmp_path)
-    return Job(number, order, state=State.RUNNING, picture=path)
+    return Job(number, order, state=JobState.RUNNING, picture=path)
 
 
 def painted(one: Job, width: int, time: int) -> None:
@@ -48,7 +48,7 @@ def test_a_picture_is_shown_while_it_is_there_and_its_bake_runs(tmp_path: Path) 
     assert list(pictures._album.collection) == ["1"]
     assert pictures.icon(other) == 0
     assert not pictures.update([one, other])  # nothing new
-    assert pictures.update([replace(one, state=State.DONE), other])
+    assert pictures.update([replace(one, state=JobState.DONE), other])
     assert list(pictures._album.collection) == []
 
 
@@ -76,7 +76,7 @@ def test_a_map_is_shown_where_it_is_unfolded_and_stays_when_its_file_goes(tmp_pa
     assert pictures.unfolded_map(other) is None
     assert one.map is not None
     one.map.picture.unlink()
-    ended = replace(one, state=State.DONE)
+    ended = replace(one, state=JobState.DONE)
     pictures.update([ended, other])
     assert tuple(pictures.unfolded_map(ended).image_size) == (8, 8)
     pictures.toggle_map(1)

@@ -20,7 +20,7 @@ from radtex_addon.ui.panel import panel_state
 from radtex_addon.ui.panel.jobs_panel import job_title
 from radtex_addon.ui.panel.main_panel import what_is_there
 from radtex_addon.ui.settings.request import request_of, spec_of, values_of
-from radtex_addon.worker.job import State
+from radtex_addon.worker.job import JobState
 from tests.blender import stage
 from tests.blender.ui_stage import finish_jobs, ops, preferences, registered, settings
 
@@ -64,7 +64,7 @@ def test_each_lamp_is_a_job_with_a_preview_and_an_export_of_its_own(out: Path) -
     with pytest.raises(InputError, match="object 'Card' is being baked there already"):
         submit()
     finish_jobs()
-    assert [job.state for job in jobs.snapshot()] == [State.DONE] * 2, jobs.snapshot()
+    assert [job.state for job in jobs.snapshot()] == [JobState.DONE] * 2, jobs.snapshot()
     for job, lights in zip(jobs.snapshot(), (("Fill, left",), ("world",)), strict=True):
         name = f"Card-{lights[0]}"
         sidecar = out / f"{name}.radiance.json"

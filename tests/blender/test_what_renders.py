@@ -15,7 +15,7 @@ from mathutils import Vector
 
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import InputError
-from radtex_addon.forms.layered.capture.hidden_lamps import Target, hidden_lamps
+from radtex_addon.forms.layered.capture.hidden_lamps import HideableLamp, hidden_lamps
 from radtex_addon.forms.layered.capture.lamps import lamps_shown
 from radtex_addon.forms.layered.capture.panoramas import Near, _seen_from_above, look_around, near_things
 from radtex_addon.forms.layered.files.layered_files import read_layered
@@ -375,7 +375,9 @@ def hidden(place: tuple[float, float, float], receiver: Any, item: Any = None) -
     direction /= np.linalg.norm(direction, axis=1, keepdims=True)
     plan = stage.plan_of(MIDDLE + direction, direction, 1)
     with scratch_scene(context.scene) as scratch:
-        return bool(hidden_lamps(scratch, [receiver], plan, [Target(item, np.array(place, float), 0.1)])[0])
+        return bool(
+            hidden_lamps(scratch, [receiver], plan, [HideableLamp(item, np.array(place, float), 0.1)])[0]
+        )
 
 
 def test_a_lamp_behind_a_wall_is_hidden_and_one_before_it_is_not() -> None:

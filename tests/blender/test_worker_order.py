@@ -22,13 +22,18 @@ from radtex_addon.core.errors import FormatError, InputError
 from radtex_addon.core.messages import Message
 from radtex_addon.core.sampler import Filter
 from radtex_addon.report.side_by_side import ComparisonSpec
-from radtex_addon.report.viewpoint import Eye
+from radtex_addon.report.viewpoint import Viewpoint
 from radtex_addon.settings.options import MARKED
 from radtex_addon.settings.spec import BakeSpec, Kind, Layer, Layout, Split, View
-from radtex_addon.textures.export_spec import Arrangement, ExportSpec, Target, TextureFormat
-from radtex_addon.textures.export_spec import Step as ExportStep
-from radtex_addon.textures.export_spec import Task as ExportTask
-from radtex_addon.worker.job import Job, State
+from radtex_addon.textures.export_spec import (
+    Arrangement,
+    ExportSpec,
+    ExportStep,
+    ExportTask,
+    Target,
+    TextureFormat,
+)
+from radtex_addon.worker.job import Job, JobState
 from radtex_addon.worker.order import Handover, Order, Program, Work, command_line, write_order
 from radtex_addon.worker.orders import (
     EXPORTING,
@@ -195,7 +200,7 @@ def test_an_export_of_a_scene_arrives_as_it_was_ordered(tmp_path: Path) -> None:
 
 def test_a_comparison_arrives_as_it_was_ordered(tmp_path: Path) -> None:
     matrix = Matrix.LocRotScale((3.3, -1e-5, 12), Euler((0.1, 0.2, 0.3)), None)
-    eye = Eye(np.array(matrix), np.diag([0.5, 1.0, -0.002, 1.0]))
+    eye = Viewpoint(np.array(matrix), np.diag([0.5, 1.0, -0.002, 1.0]))
     spec, handover = ComparisonSpec(77, 5), replace(HANDOVER, images=FOLDER / "images", device="optix")
     asked = order_comparison(handover, ["--Vase", "B"], FOLDER / "baked", eye, spec, FOLDER / "out")
     request = understood(asked, tmp_path)
@@ -306,7 +311,7 @@ def test_what_else_a_worker_says() -> None:
         known = known.hears(event)
     assert list(map(str, known.warnings)) == ["no light"]
     assert known.picture == Path("/tmp/a.png")
-    done = known.ends(State.DONE, Message(""))
+    done = known.ends(JobState.DONE, Message(""))
     assert (done.files, str(done.message), done.fraction) == (
         (Path("/out/a.exr"),),
         "Vase: 16 x 16 texels",

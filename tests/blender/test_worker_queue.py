@@ -25,13 +25,13 @@ from radtex_addon.core.sampler import Filter
 from radtex_addon.formats.containers.exr import read_atlas
 from radtex_addon.preview.swap import switch_on
 from radtex_addon.report.side_by_side import ComparisonSpec, read_picture
-from radtex_addon.report.viewpoint import Eye
+from radtex_addon.report.viewpoint import Viewpoint
 from radtex_addon.settings.spec import BakeSpec, Kind, Unwrap
 from radtex_addon.textures.export_spec import ExportSpec, Target
 from radtex_addon.ui.jobs.bug_report import report_of
 from radtex_addon.version import VERSION
 from radtex_addon.worker.handover import hand_over, this_program, work_folder
-from radtex_addon.worker.job import Job, State
+from radtex_addon.worker.job import Job, JobState
 from radtex_addon.worker.order import Handover, Program
 from radtex_addon.worker.orders import order_bake, order_comparison, order_export
 from radtex_addon.worker.queue import Queue
@@ -133,7 +133,7 @@ def test_painted_images_linked_data_and_unsaved_changes_are_in_the_bake(
     for name in ("Größe 2 – neu", "Linked"):
         queue.add(order_bake(handover, name, TINY, out, Filter.NEAREST))
     done = finish(queue)
-    assert [job.state for job in done] == [State.DONE, State.DONE], done
+    assert [job.state for job in done] == [JobState.DONE, JobState.DONE], done
     assert [job.fraction for job in done] == [1, 1]
     assert all("8 x 8 texels" in str(job.message) for job in done)
     assert {path for job in done for path in job.files} == set(out.iterdir())
@@ -155,7 +155,7 @@ def test_the_scene_on_the_screen_is_baked_and_stays_what_it_was(queue: Queue, jo
     before = fingerprint()
     queue.add(order_bake(hand_over(other, jobs), name, TINY, out))
     (done,) = finish(queue)
-    assert done.state is State.DONE, done.message
+    assert done.state is JobState.DONE, done.message
     assert differences(before, fingerprint()) == {}
     assert list(jobs.iterdir()) == []
 
@@ -173,18 +173,18 @@ def test_jobs_wait_for_one_another_and_one_that_fails_or_is_cancelled_holds_up_n
         ("Card", other, "three"),
     ):
         queue.add(order_bake(handover, name, spec, out / folder))
-    assert [job.state for job in queue.snapshot()] == [State.WAITING] * 4
+    assert [job.state for job in queue.snapshot()] == [JobState.WAITING] * 4
     until(queue, lambda job: job.stage is not None)
     queue.cancel(3)  # at once, as it only waits
     assert [job.state for job in queue.snapshot()] == [
-        State.RUNNING,
-        State.WAITING,
-        State.CANCELLED,
-        State.WAITING,
+        JobState.RUNNING,
+        JobState.WAITING,
+        JobState.CANCELLED,
+        JobState.WAITING,
     ]
     first, second, _, third = finish(queue)
     states = [job.state for job in (first, second, third)]
-    assert states == [State.DONE, State.FAILED, State.DONE], (first.message, third.message)
+    assert states == [JobState.DONE, JobState.FAILED, JobState.DONE], (first.message, third.message)
     assert not (out / "never").exists()
     assert "'Crad'" in str(second.message)
     assert "did you mean 'Card'?" in str(second.message)
@@ -206,11 +206,11 @@ def test_a_comparison_sees_the_previews_that_the_session_shows(queue: Queue, job
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     item = ball(NAME)
     switch_on(item, sidecar)
-    eye = Eye.of_view(np.array(Matrix.Translation((0, 0, -5))), np.diag([0.5, 1.0, -0.002, 1.0]))
+    eye = Viewpoint.of_view(np.array(Matrix.Translation((0, 0, -5))), np.diag([0.5, 1.0, -0.002, 1.0]))
     handover, spec = hand_over(context.scene, jobs), ComparisonSpec(32, 1)
     queue.add(order_comparison(handover, [NAME], None, eye, spec, out / "pictures"))
     (compared,) = finish(queue)
-    assert compared.state is State.DONE, compared.message
+    assert compared.state is JobState.DONE, compared.message
     assert compared.facts["psnr"] > 30
     np.testing.assert_allclose(read_picture(Path(compared.facts["traced"]))[8, 16], GLOW, rtol=0.02)
     assert compared.object == NAME
@@ -226,7 +226,7 @@ def test_an_export_that_is_killed_is_one_line_and_leaves_nothing(queue: Queue, j
     until(queue, lambda job: job.stage is not None)
     assert set(out.iterdir()) > before, "it is written beside its place"
     os.kill(running_pid(queue), signal.SIGKILL)
-    failed = until(queue, lambda job: job.state is State.FAILED)
+    failed = until(queue, lambda job: job.state is JobState.FAILED)
     assert str(failed.message) == "the export ended early (killed by signal 9): export again"
     assert set(out.iterdir()) == before
     assert list(jobs.iterdir()) == []
@@ -258,7 +258,7 @@ def test_cancelling_amid_an_unwrap_takes_two_seconds_at_most_and_leaves_nothing(
     assert queue.snapshot()[0].cancelling
     ended = until(queue, lambda job: job.ended)
     assert time.monotonic() - since < 2
-    assert (ended.state, str(ended.message)) == (State.CANCELLED, "cancelled")
+    assert (ended.state, str(ended.message)) == (JobState.CANCELLED, "cancelled")
     assert is_gone(pid)
     assert not alive_in_group(pid)
     assert not finished(out)
@@ -276,7 +276,7 @@ def test_closing_the_queue_ends_all_and_leaves_nothing(queue: Queue, jobs: Path,
     queue.close()
     assert time.monotonic() - since < 2
     assert is_gone(pid)
-    assert {job.state for job in queue.snapshot()} == {State.CANCELLED}
+    assert {job.state for job in queue.snapshot()} == {JobState.CANCELLED}
     assert not finished(out)
     assert list(jobs.iterdir()) == []
 
@@ -322,12 +322,12 @@ def test_a_worker_that_is_killed_is_one_line_and_the_next_job_goes_on(
     litter = out / f".radtex-{running_pid(queue)}-0123.exr"  # as if it had been writing
     litter.write_text("half")
     os.kill(running_pid(queue), signal.SIGKILL)
-    failed = until(queue, lambda job: job.state is State.FAILED)
+    failed = until(queue, lambda job: job.state is JobState.FAILED)
     assert str(failed.message) == (
         "the bake ended early (killed by signal 9): bake again, if memory ran out with fewer texels, "
         "cells or samples"
     )
-    assert finish(queue)[1].state is State.DONE
+    assert finish(queue)[1].state is JobState.DONE
     assert not litter.exists()
     assert list(jobs.iterdir()) == []
 
@@ -337,7 +337,7 @@ def test_a_program_that_is_no_blender_is_one_line(jobs: Path, out: Path, tmp_pat
     queue = Queue(Program(str(tmp_path / "blender"), is_blender=True))
     queue.add(order_bake(hand_over(context.scene, jobs), "Card", TINY, out))
     (failed,) = finish(queue)
-    assert failed.state is State.FAILED
+    assert failed.state is JobState.FAILED
     assert re.fullmatch(r".*/blender does not start \(No such file or directory\): .*", str(failed.message))
     queue.close()
 
@@ -348,7 +348,7 @@ def test_a_program_that_ends_well_and_bakes_nothing_has_failed(jobs: Path, out: 
     queue = Queue(Program("/bin/true", is_blender=True))
     queue.add(order_bake(hand_over(context.scene, jobs), "Card", TINY, out))
     (failed,) = finish(queue)
-    assert failed.state is State.FAILED
+    assert failed.state is JobState.FAILED
     assert str(failed.message).startswith("the bake ended early (exit code 0): ")
     queue.close()
 
@@ -358,7 +358,7 @@ def test_a_file_that_is_gone_is_one_line(queue: Queue, jobs: Path, out: Path) ->
     gone = Handover(folder, folder / "room.blend", "Scene", None, "cpu", 0.0)
     queue.add(order_bake(gone, "Card", TINY, out))
     (failed,) = finish(queue)
-    assert failed.state is State.FAILED
+    assert failed.state is JobState.FAILED
     assert str(folder) in str(failed.message)
 
 

@@ -29,7 +29,7 @@ from radtex_addon.forms.layered.files.layered_files import read_layered
 from radtex_addon.job import bake_object
 from radtex_addon.preview.osl import add_osl_node
 from radtex_addon.report.side_by_side import ComparisonSpec, compare_steps
-from radtex_addon.report.viewpoint import Eye
+from radtex_addon.report.viewpoint import Viewpoint
 from radtex_addon.scene import working_space
 from radtex_addon.scene.digests import scene_digests
 from radtex_addon.scene.scratch import scratch_scene
@@ -105,7 +105,7 @@ def test_a_comparison_sees_both_in_rec709(out: Path) -> None:
     sidecar = made.files.sidecar
     bpy.ops.object.camera_add(location=(0, 0, 4))
     context.scene.camera = context.object
-    eye = Eye.of_camera(context.scene, context.view_layer)
+    eye = Viewpoint.of_camera(context.scene, context.view_layer)
     steps = compare_steps(
         context.scene, {bpy.data.objects["Ball"]: sidecar}, eye, ComparisonSpec(pixels=16, samples=4)
     )

@@ -25,7 +25,7 @@ from radtex_addon.scene.mesh.evaluated import EvaluatedMesh, evaluate
 from radtex_addon.scene.scratch import scratch_scene
 from radtex_addon.scene.uv import xatlas_worker
 from radtex_addon.scene.uv.unwrap import unwrap_steps
-from radtex_addon.scene.uv.xatlas_process import Charts, XatlasProcess, check_xatlas
+from radtex_addon.scene.uv.xatlas_process import XatlasCharts, XatlasProcess, check_xatlas
 from radtex_addon.settings.spec import Unwrap
 
 pytestmark = pytest.mark.one_blender
@@ -37,18 +37,18 @@ HALVES = np.array([[0, 1, 2], [0, 2, 3]], np.uint32)
 UP = np.tile(np.array([0, 0, 1], np.float32), (4, 1))
 
 
-def flatten_square(xatlas: XatlasProcess) -> Steps[Charts]:
+def flatten_square(xatlas: XatlasProcess) -> Steps[XatlasCharts]:
     return xatlas.flatten(SQUARE, HALVES, UP, {}, {"resolution": 64})
 
 
-def answer(steps: Steps[Charts], seconds: float = 60.0) -> Charts:
+def answer(steps: Steps[XatlasCharts], seconds: float = 60.0) -> XatlasCharts:
     """What a request returns, waited for no longer than `seconds`."""
     end = monotonic() + seconds
     while monotonic() < end:
         try:
             next(steps)
         except StopIteration as stop:
-            charts: Charts = stop.value
+            charts: XatlasCharts = stop.value
             return charts
     pytest.fail(f"no answer within {seconds} s")
 

@@ -23,7 +23,7 @@ from radtex_addon.core.arrangements import (
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.errors import InputError, ShapeError
-from radtex_addon.formats.containers.texture import Form, PixelFormat
+from radtex_addon.formats.containers.texture import PixelFormat, TextureShape
 from tests.lookups import LAYOUT, random_atlas
 from tests.reference.levels import level_chain, sample_level
 from tests.reference.pages import split_pages
@@ -197,7 +197,7 @@ def test_an_atlas_of_32768_pixels_is_split_to_what_gpus_take(
     """2048 texels of 16 cells: 4 GiB as RGB9E5, of which no file's and no header's field is too narrow."""
     pages = fitting_pages(AtlasLayout(2048, 2048, 16), limit, levels)
     assert pages == Pages(side, side, texels, texels)
-    form = Form(PixelFormat.RGB9E5, limit, limit, pages.layers, levels, is_array=True)
+    form = TextureShape(PixelFormat.RGB9E5, limit, limit, pages.layers, levels, is_array=True)
     assert form.nbytes(0) == 2**32
     assert form.shape(levels - 1) == (side * side, 16, 16, 4)  # one texel a page
     assert pages.at_level(levels - 1) == Pages(side, side, 1, 1)

@@ -17,8 +17,7 @@ from radtex_addon.core.arrays import Floats
 from radtex_addon.core.sampler import Filter
 from radtex_addon.export.export_manifest import Manifest, write_manifest
 from radtex_addon.farm.farm_files import FarmFiles
-from radtex_addon.farm.farm_manifest import Copies
-from radtex_addon.farm.farm_manifest import Manifest as FarmManifest
+from radtex_addon.farm.farm_manifest import Copies, FarmManifest
 from radtex_addon.formats.bucket_files import write_buckets
 from radtex_addon.formats.containers.exr import Compression, write_atlas
 from radtex_addon.formats.containers.glb import Glb

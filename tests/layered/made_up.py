@@ -21,7 +21,14 @@ from radtex_addon.forms.layered.fit.bucket_grid import BucketGrid
 from radtex_addon.forms.layered.fit.own_light import Surface
 from radtex_addon.forms.layered.fit.rows import Places
 from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas
-from radtex_addon.forms.layered.lookup.environment import Around, Impostor, Lamp, Layer, Pictures, Plane
+from radtex_addon.forms.layered.lookup.environment import (
+    Around,
+    Impostor,
+    Lamp,
+    Pictures,
+    Plane,
+    SurroundingLayer,
+)
 from radtex_addon.forms.layered.lookup.lobes import LOBES, STEPS, Material
 
 
@@ -43,7 +50,9 @@ def made_up_atlas(texels: int, size: int, cells: tuple[int, int] = CELLS[0]) -> 
     plane = Plane(np.array([0, 0, 1], np.float32), -1.1, np.array([0, 0, 0.6], np.float32))
     lamp = Lamp(np.array([1.5, -1, 2.5], np.float32), np.array([3, 2.5, 2], np.float32), 2e-3)
     middle = np.array([0.1, 0.2, -0.1], np.float32)
-    around = Around(middle, world, (Layer(layers[0], plane), Layer(layers[1], things)), (lamp,))
+    around = Around(
+        middle, world, (SurroundingLayer(layers[0], plane), SurroundingLayer(layers[1], things)), (lamp,)
+    )
     bend = np.linspace(0.3, 0.0, STEPS).astype(np.float32)
     materials = []
     for narrow, wide in ((5e-4, 0.02), (0.01, 0.2)):

@@ -17,7 +17,7 @@ from radtex_addon.forms.layered.capture.panoramas import panorama_directions
 from radtex_addon.forms.layered.cells import OWN_RAYS, OWN_SIDE
 from radtex_addon.forms.layered.fit import bucket_grid
 from radtex_addon.forms.layered.fit.bucket_grid import Block, BucketGrid
-from radtex_addon.forms.layered.fit.buckets import ALL_PARTS, Buckets, Parts, fit_buckets, free_share
+from radtex_addon.forms.layered.fit.buckets import ALL_PARTS, FittedBuckets, Parts, fit_buckets, free_share
 from radtex_addon.forms.layered.fit.rows import halved, random_half
 from radtex_addon.forms.layered.fit.view_dependence import fit_harmonics
 from radtex_addon.forms.layered.lookup.environment import Around, Pictures
@@ -27,7 +27,7 @@ from tests.layered.made_up import flat_plan, light_samples, places_of, white_sur
 from tests.layered.test_layered import SIDE, flat_samples
 
 
-def _fitted(waves: float, hit: Bools | None = None, parts: Parts = ALL_PARTS) -> Buckets:
+def _fitted(waves: float, hit: Bools | None = None, parts: Parts = ALL_PARTS) -> FittedBuckets:
     """Of a flat square that mirrors nothing of what is known, and shows waves over the mirror direction."""
     plan = flat_plan(SIDE, 16)
     square = Aim(spread_shifts(SIDE * SIDE, 3)).square(16)

@@ -22,9 +22,9 @@ from radtex_addon.forms.layered.lookup.environment import (
     Around,
     Impostor,
     Lamp,
-    Layer,
     Pictures,
     Plane,
+    SurroundingLayer,
     lamps_of,
 )
 from radtex_addon.forms.layered.lookup.lobes import lobe, seen_free
@@ -100,7 +100,7 @@ def test_a_layer_hides_what_is_behind_it_as_far_as_it_covers() -> None:
     direction = panorama_directions(128).reshape(-1, 3)
     cover = np.where(direction[:, 2:] < 0, 1.0, 0.0)
     picture = Pictures.of(direction, np.concatenate([cover * [0.5, 0, 0], cover], axis=1), 64)
-    layer = Layer(picture, Plane(np.array([0, 0, 1], dtype=np.float32), -1.0))
+    layer = SurroundingLayer(picture, Plane(np.array([0, 0, 1], dtype=np.float32), -1.0))
     world = Pictures.of(direction, np.ones((len(direction), 3)), 64)
     around = Around(np.zeros(3, np.float32), world, (layer,), ())
     axis = np.array([[0, 0, -1], [0, 0, 1]], dtype=np.float32)

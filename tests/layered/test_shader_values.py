@@ -17,7 +17,7 @@ from radtex_addon.forms.layered.shader_values import (
     BAKE_BUFFER,
     MATERIAL_BUFFER,
     THROUGH_BUFFER,
-    Cost,
+    LookupCost,
     Stored,
     bake_values,
     buffer_of,
@@ -56,13 +56,13 @@ def test_what_is_not_looked_up_is_not_read() -> None:
     assert "RADTEX_PLANE" not in definitions(sidecar)
     sidecar = case_of("made up").sidecar
     assert "distances" in layers_read(sidecar)
-    assert "distances" not in layers_read(sidecar, Cost(steps=0))
+    assert "distances" not in layers_read(sidecar, LookupCost(steps=0))
 
 
 def test_one_lobe_is_as_bright_as_two() -> None:
     sidecar = case_of("made up").sidecar
     one, two = (
-        np.reshape(material_values(sidecar, 1, Cost(second_lobe=both))["radtex_lobes"], (2, 16, 4))
+        np.reshape(material_values(sidecar, 1, LookupCost(second_lobe=both))["radtex_lobes"], (2, 16, 4))
         for both in (False, True)
     )
     np.testing.assert_allclose(one[0, :, :3], two[..., :3].sum(axis=0), rtol=1e-5)

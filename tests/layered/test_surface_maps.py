@@ -18,7 +18,7 @@ from radtex_addon.forms.layered.fit.fitting import fit_layered
 from radtex_addon.forms.layered.fit.texel_maps import tints
 from radtex_addon.forms.layered.fit.view_dependence import view_dependence
 from radtex_addon.forms.layered.lookup.lobes import falloff_at
-from radtex_addon.forms.layered.samples import Capture, OwnRays
+from radtex_addon.forms.layered.samples import LayeredSamples, OwnRays
 from tests.layered.made_up import flat_plan, light_samples, white_surface
 from tests.layered.test_layered import CELLS, SIDE, flat_samples
 from tests.layered.test_ways import stripes_below
@@ -100,7 +100,9 @@ def test_what_rays_meet_is_told_in_the_directions_that_they_went(tilt: float) ->
     angle = np.radians(tilt)
     normal = one * np.array([np.sin(angle), 0, np.cos(angle)], np.float32)
     maps = {"diffuse": one, "glossy": one, "normal": normal, "material": 0 * one[..., :1]}
-    capture = Capture(samples, alone, own, stripes_below(), maps, maps, np.zeros(SIDE * SIDE, np.int32))
+    capture = LayeredSamples(
+        samples, alone, own, stripes_below(), maps, maps, np.zeros(SIDE * SIDE, np.int32)
+    )
     told = finished(fit_layered(capture)).own
     towards = cell_directions(told.shape[2]).reshape(-1, 3)
     told = told.reshape(-1, len(towards), 4)

@@ -16,7 +16,7 @@ from radtex_addon.core.hemisphere import cell_centres, square_to_direction
 from radtex_addon.forms.layered.capture.exits import in_texels_frames
 from radtex_addon.forms.layered.capture.panoramas import panorama_directions
 from radtex_addon.forms.layered.fit.through import fit_ways
-from radtex_addon.forms.layered.lookup.environment import Around, Layer, Pictures, Plane
+from radtex_addon.forms.layered.lookup.environment import Around, Pictures, Plane, SurroundingLayer
 from radtex_addon.forms.layered.lookup.ways import (
     CHANNELS,
     Through,
@@ -56,7 +56,7 @@ def floor(light: Floats, direction: Floats) -> Around:
     black = Pictures.of(direction, np.zeros((len(direction), 3)), 64)
     picture = Pictures.of(direction, light, 256)
     plane = Plane(np.array([0, 0, 1], np.float32), HEIGHT, EYE.astype(np.float32))
-    return Around(np.zeros(3, np.float32), black, (Layer(picture, plane),), ())
+    return Around(np.zeros(3, np.float32), black, (SurroundingLayer(picture, plane),), ())
 
 
 def stripes_below() -> Around:

@@ -31,7 +31,7 @@ from radtex_addon.core.sampler import Filter, sample
 from radtex_addon.formats.containers.exr import read_atlas
 from radtex_addon.job import bake_object
 from radtex_addon.report.finished_bake import Finished, find_bake, read_bake
-from radtex_addon.report.gbuffer import BakedSurface, GBuffer, Rays
+from radtex_addon.report.gbuffer import BakedSurface, CameraRays, GBuffer
 from radtex_addon.report.metrics import Mask, Picture, psnr
 from radtex_addon.scene.demo import OBJECT, build_demo_scene
 from radtex_addon.scene.preview_file import baked_copy
@@ -76,10 +76,12 @@ class Camera:
         return matrix
 
     @property
-    def rays(self) -> Rays:
+    def rays(self) -> CameraRays:
         """One ray through the middle of each pixel, rows from the top."""
         matrix = np.array(self.matrix)
-        return Rays.of_camera(matrix[:3, 3], matrix[:3, :3], tan(radians(self.fovy) / 2), self.pixels, 1)
+        return CameraRays.of_camera(
+            matrix[:3, 3], matrix[:3, :3], tan(radians(self.fovy) / 2), self.pixels, 1
+        )
 
 
 CAMERAS = (

@@ -20,7 +20,7 @@ from radtex_addon.formats.transfer_files import with_views
 from radtex_addon.forms.layered.shader_values import (
     DEFAULT,
     FULL,
-    Cost,
+    LookupCost,
     bake_values,
     definitions,
     layers_read,
@@ -298,14 +298,14 @@ void main() {
 """
 
 
-def code_of(case: Case, cost: Cost) -> str:
+def code_of(case: Case, cost: LookupCost) -> str:
     """The shader's text, without a version."""
     head = "".join(f"#define {name} {value}\n" for name, value in definitions(case.sidecar, cost).items())
     names = ["radtex_layered", *(["radtex_layered_through"] if case.through else [])]
     return head + "".join((SHADERS / f"{name}.glsl").read_text(encoding="utf-8") for name in names)
 
 
-def run_layered(context: moderngl.Context, version: str, case: Case, cost: Cost) -> Floats:
+def run_layered(context: moderngl.Context, version: str, case: Case, cost: LookupCost) -> Floats:
     """The shader's answers, (N, 3) float32."""
     program = compiled(context, VERSIONS[version], code_of(case, cost) + LAYERED)
     textures: dict[str, Floats | Texture] = {
@@ -343,7 +343,7 @@ def test_the_layered_layout_agrees(context: moderngl.Context, version: str, name
         (replace(DEFAULT, second_lobe=False), 0.04),
     ],
 )
-def test_thrift_changes_little(context: moderngl.Context, cost: Cost, most: float) -> None:
+def test_thrift_changes_little(context: moderngl.Context, cost: LookupCost, most: float) -> None:
     case = case_of("everything")
     wrong = off(run_layered(context, "GLSL 330", case, cost), case.answers())
     print(f"{cost}: mean error {wrong.mean():.1e}, 99 % {np.quantile(wrong, 0.99):.1e}")
@@ -383,7 +383,7 @@ def test_light_that_comes_through_costs_more() -> None:
     assert more == {16: 32 + 1 + 3 + 1 + 4, 4: 8 + 1 + 3 + 1 + 4}
 
 
-def fetched(case: Case, cost: Cost, function: str) -> int:
+def fetched(case: Case, cost: LookupCost, function: str) -> int:
     return fetches(code_of(case, cost), definitions(case.sidecar, cost), function)
 
 

@@ -17,7 +17,7 @@ from radtex_addon.core.sampler import Filter
 from radtex_addon.formats.shadow_files import Words
 from radtex_addon.forms.layered.shader_values import (
     FULL,
-    Cost,
+    LookupCost,
     bake_values,
     definitions,
     layers_read,
@@ -215,7 +215,7 @@ vec4 answer(ivec2 here) {
 """
 
 
-def layered_jobs(case: Case, cost: Cost) -> list[Job]:
+def layered_jobs(case: Case, cost: LookupCost) -> list[Job]:
     """A picture of each material."""
     defines = "".join(f"#define {name} {value}\n" for name, value in definitions(case.sidecar, cost).items())
     includes = ("radtex_layered", *(["radtex_layered_through"] if case.through else []))

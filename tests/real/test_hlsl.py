@@ -22,7 +22,7 @@ from radtex_addon.forms.layered.shader_values import (
     FULL,
     MATERIAL_BUFFER,
     THROUGH_BUFFER,
-    Cost,
+    LookupCost,
     Values,
     bake_values,
     buffer_of,
@@ -260,7 +260,7 @@ float4 main(float4 at : SV_Position) : SV_Target {
 """
 
 
-def run_layered(root: Root, compiler: str, defines: str, case: Case, cost: Cost) -> Floats:
+def run_layered(root: Root, compiler: str, defines: str, case: Case, cost: LookupCost) -> Floats:
     """The shader's answers, (N, 3) float32."""
     assert set(TEXTURES) == set(CHANNELS)
     for name, value in definitions(case.sidecar, cost).items():

@@ -23,7 +23,7 @@ from radtex_addon.forms.layered.shader_values import (
     FULL,
     MATERIAL_BUFFER,
     THROUGH_BUFFER,
-    Cost,
+    LookupCost,
     Values,
     bake_values,
     buffer_of,
@@ -331,7 +331,7 @@ LOOKUP, THROUGH = (
 )
 
 
-def run_layered(root: Root, case: Case, cost: Cost) -> Floats:
+def run_layered(root: Root, case: Case, cost: LookupCost) -> Floats:
     """The shader's answers, (N, 3) float32."""
     names = ["radtex_layered", *(["radtex_layered_through"] if case.through else [])]
     code = "".join((FOLDER / f"{name}.wgsl").read_text(encoding="utf-8") for name in names)

@@ -14,7 +14,7 @@ import pytest
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.errors import InputError
 from radtex_addon.settings.spec import BakeSpec
-from radtex_addon.store.bake_folder import BakeFolder, State
+from radtex_addon.store.bake_folder import BakeFolder, FolderState
 from radtex_addon.store.checkpoint import Checkpoint
 from radtex_addon.store.checkpoint_files import KEY
 from radtex_addon.store.output_files import BakeOutput
@@ -28,7 +28,7 @@ def card(tmp_path: Path) -> BakeFolder:
     return BakeFolder("Card", BakeSpec(), tmp_path / "out")
 
 
-def state(card: BakeFolder) -> State:
+def state(card: BakeFolder) -> FolderState:
     return card.state  # mypy takes a property for a value that stays
 
 
@@ -56,18 +56,18 @@ def light_of(card: BakeFolder) -> str:
 
 
 def test_nothing_becomes_unfinished_written_and_finished(card: BakeFolder) -> None:
-    assert state(card) is State.NOTHING
+    assert state(card) is FolderState.NOTHING
     card.check_may_write(NEVER)
     with card.open(NEVER) as checkpoint:
-        assert state(card) is State.NOTHING, "before the first piece"
+        assert state(card) is FolderState.NOTHING, "before the first piece"
         write(card, checkpoint, "first")
-        assert (state(card), checkpoint.made) == (State.UNFINISHED, None)
+        assert (state(card), checkpoint.made) == (FolderState.UNFINISHED, None)
         assert not card.files.sidecar.exists()
         card.publish(checkpoint, made(card))
-        assert (state(card), light_of(card)) == (State.UNFINISHED, "first")
+        assert (state(card), light_of(card)) == (FolderState.UNFINISHED, "first")
         assert checkpoint.made == made(card).told()
         checkpoint.remove()
-    assert state(card) is State.FINISHED
+    assert state(card) is FolderState.FINISHED
     assert not card.files.unfinished.exists()
 
 
@@ -93,7 +93,7 @@ def test_a_finished_bake_is_replaced_only_if_that_is_asked_for_and_stays_until_t
     card.check_may_write(OVER)
     with card.open(OVER) as checkpoint:
         write(card, checkpoint, "second")
-        assert (state(card), light_of(card)) == (State.UNFINISHED, "first")
+        assert (state(card), light_of(card)) == (FolderState.UNFINISHED, "first")
         card.publish(checkpoint, made(card))
         assert light_of(card) == "second"
 
@@ -109,26 +109,26 @@ def test_a_bake_that_adds_reads_the_finished_one_and_notices_another(card: BakeF
     with late, pytest.raises(InputError, match=r"\.exr has changed since this bake began: start it again"):
         late.begin()
     finish(adding, "both")
-    assert (state(card), light_of(card)) == (State.FINISHED, "both")
+    assert (state(card), light_of(card)) == (FolderState.FINISHED, "both")
 
 
 def test_a_bake_that_was_announced_counts_as_unfinished_and_is_in_nobodys_way(card: BakeFolder) -> None:
     finish(card)
     card.announce((), "")
-    assert state(card) is State.UNFINISHED
+    assert state(card) is FolderState.UNFINISHED
     card.check_may_write(OVER)
     finish(card, "second", OVER)
-    assert (state(card), light_of(card)) == (State.FINISHED, "second")
+    assert (state(card), light_of(card)) == (FolderState.FINISHED, "second")
 
 
 def test_only_overwriting_goes_on_from_a_damaged_key(card: BakeFolder) -> None:
     with card.open(NEVER) as checkpoint:
         write(card, checkpoint, "first")
     (card.files.unfinished / KEY).write_text("{")
-    assert state(card) is State.UNFINISHED
+    assert state(card) is FolderState.UNFINISHED
     for ask in (card.begun_facts, card.stored_as, lambda: card.check_may_write(NEVER, resume=True)):
         with pytest.raises(InputError, match=r"key\.json is damaged: begin anew"):
             ask()
     card.check_may_write(OVER)
     finish(card, "second", OVER)
-    assert (state(card), light_of(card)) == (State.FINISHED, "second")
+    assert (state(card), light_of(card)) == (FolderState.FINISHED, "second")

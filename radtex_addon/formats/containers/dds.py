@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from ...core.errors import InputError
 from ..disk.atomic import replacing
-from .texture import Encoded, Form, PixelFormat
+from .texture import Encoded, PixelFormat, TextureShape
 
 # Numbers in DXGI_FORMAT.
 DXGI = {
@@ -88,7 +88,7 @@ def write_texture(path: Path, texture: Encoded) -> None:
             file.writelines(texture.parts(level, layer))
 
 
-def _header(form: Form) -> _Header:
+def _header(form: TextureShape) -> _Header:
     packed, mipmapped = form.format.side > 1, form.levels > 1
     pitch = form.nbytes(0) // form.layers if packed else form.width * form.format.block_bytes
     return _Header(

@@ -78,7 +78,7 @@ ENCODED = (PixelFormat.RGBA16F, PixelFormat.RGB9E5, PixelFormat.BC6H)  # the for
 
 
 @dataclass(frozen=True)
-class Form:
+class TextureShape:
     """A texture without its contents: `layers` x `levels` images, the largest of width x height pixels.
 
     Level L has max(1, width >> L) x max(1, height >> L) pixels. Raises ShapeError beyond the limits of GPUs.
@@ -110,7 +110,7 @@ class Encoded(Protocol):
     """A texture whose blocks can be read piece by piece."""
 
     @property
-    def form(self) -> Form:
+    def form(self) -> TextureShape:
         """Format, size, layers and levels."""
 
     def parts(self, level: int, layer: int) -> Iterator[memoryview]:
@@ -140,10 +140,10 @@ class Texture:
                 raise ShapeError(f"level {level}: expected {expected} of uint8, got {described(blocks)}")
 
     @property
-    def form(self) -> Form:
+    def form(self) -> TextureShape:
         """Format, size, layers and levels."""
         count = len(self.levels)
-        return Form(self.format, self.width, self.height, self.layers, count, self.is_array)
+        return TextureShape(self.format, self.width, self.height, self.layers, count, self.is_array)
 
     @property
     def layers(self) -> int:

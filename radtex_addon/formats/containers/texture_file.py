@@ -15,7 +15,7 @@ import numpy as np
 
 from ...core.arrays import Floats
 from ...core.errors import BakeError
-from .texture import Form, encode_rows
+from .texture import TextureShape, encode_rows
 
 _PIECE = 1 << 22  # bytes that are read at once
 
@@ -26,7 +26,7 @@ class TextureFile:
     Blocks that reach beyond an edge repeat the last pixels, as in `encode_texture`.
     """
 
-    def __init__(self, form: Form, file: BinaryIO) -> None:
+    def __init__(self, form: TextureShape, file: BinaryIO) -> None:
         self.form, self._file = form, file
         ends = np.cumsum([0, *(form.nbytes(level) for level in range(form.levels))])
         self._begins = [int(end) for end in ends[:-1]]
@@ -58,7 +58,7 @@ class TextureFile:
 
 
 @contextmanager
-def texture_file(form: Form, folder: Path) -> Iterator[TextureFile]:
+def texture_file(form: TextureShape, folder: Path) -> Iterator[TextureFile]:
     """Yield an empty texture in a temporary file in `folder`, which is created if needed.
 
     The file is removed at exit. Raises BakeError where the system refuses.

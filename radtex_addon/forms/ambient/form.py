@@ -33,12 +33,12 @@ from ...settings.cost import Cost, cost_of_images
 from ...settings.forms import AMBIENT, FormTraits
 from ...settings.kinds import KINDS, Kind
 from ...settings.spec import BakeSpec
-from ...textures.export_spec import Step
+from ...textures.export_spec import ExportStep
 from ..bake_job import BakeJob
 from ..buckets.form import Buckets, layout_in
 from ..buckets.textures import flat_buckets
 from ..form import Form, PreviewOf
-from ..occlusion_bake import Captured, capture_occlusion
+from ..occlusion_bake import OcclusionCaptured, capture_occlusion
 from ..outcome import Outcome
 
 _OPENNESS = slice(3, None)  # the channel
@@ -59,7 +59,7 @@ def bake_ambient(job: BakeJob) -> Generator[Progress, None, Outcome]:
     )
 
 
-def _write(path: Path, captured: Captured, facts: Sidecar, spec: BakeSpec) -> None:
+def _write(path: Path, captured: OcclusionCaptured, facts: Sidecar, spec: BakeSpec) -> None:
     """Write one value per texel: a bucket of one cell, the mean over all rays."""
     layout = captured.plan.layout
     pixels = np.empty((layout.height, layout.width, 4), dtype=np.float32)
@@ -108,7 +108,7 @@ class Ambient(Buckets):
         largest = max(facts.size("texels")) * spec.bucket
         return had == wanted or (had + 1) * largest > MAX_IMAGE_SIDE  # the image had no room for more
 
-    def flat(self, sidecar: SidecarFile, surface: SurfaceMesh) -> Generator[Step, None, Floats]:
+    def flat(self, sidecar: SidecarFile, surface: SurfaceMesh) -> Generator[ExportStep, None, Floats]:
         yield from ()
         return flat_buckets(sidecar, surface, _OPENNESS)
 

@@ -39,7 +39,7 @@ from ...settings.forms import BITS, FormTraits
 from ...settings.kinds import KINDS, Kind
 from ...settings.spec import BakeSpec
 from ...textures.entry import Arranged, Container, TextureEntry
-from ...textures.export_spec import Arrangement, ExportSpec, Step, TextureFormat
+from ...textures.export_spec import Arrangement, ExportSpec, ExportStep, TextureFormat
 from ...textures.flat_lightmap import check_means, mean_of_buckets
 from ..bake_job import BakeJob
 from ..buckets.form import Buckets
@@ -160,7 +160,7 @@ class Bits(Buckets):
         facts = read_sidecar(sidecar)
         return _CELL * facts.width * facts.height * facts.bucket**2
 
-    def flat(self, sidecar: SidecarFile, surface: SurfaceMesh) -> Generator[Step, None, Floats]:
+    def flat(self, sidecar: SidecarFile, surface: SurfaceMesh) -> Generator[ExportStep, None, Floats]:
         yield from ()
         pixels, facts = visible_buckets(sidecar)
         light = mean_of_buckets(pixels, AtlasLayout(facts.width, facts.height, facts.bucket))

@@ -26,7 +26,7 @@ from ...core.errors import InputError
 from ...core.messages import Setting, do
 from ...core.texel_map import TexelMap
 from ...cycles.denoiser import image_denoiser
-from ...cycles.layer_passes import LayeredCapture
+from ...cycles.layer_passes import PassesCapture
 from ...cycles.panoramic import PanoramicCapture
 from ...cycles.portal import PortalCapture
 from ...formats.bucket_files import write_bands
@@ -207,7 +207,7 @@ def capture_of(
     """Set a scratch scene up to capture a plan; `whole` is as for `PortalCapture`."""
     kind = spec.kind
     if spec.layers:
-        return LayeredCapture(scratch, plan, kind, spec.layers, spec.samples, spec.seed, folder, whole)
+        return PassesCapture(scratch, plan, kind, spec.layers, spec.samples, spec.seed, folder, whole)
     if spec.capture is CaptureMethod.PANORAMIC:
         return PanoramicCapture(scratch, plan, kind, spec.samples, spec.seed, folder)
     return PortalCapture(scratch, plan, kind, spec.samples, spec.seed, folder, whole=whole)

@@ -31,7 +31,7 @@ from ...settings.forms import BUCKETS, FormTraits
 from ...settings.kinds import KINDS, Kind, Light
 from ...settings.spec import BakeSpec
 from ...textures.entry import Arranged, TextureEntry
-from ...textures.export_spec import ExportSpec, Step, Target
+from ...textures.export_spec import ExportSpec, ExportStep, Target
 from ..bake_job import BakeJob
 from ..form import Form, Opened, PreviewOf
 from ..hlsl_lookup import HlslLookup
@@ -117,7 +117,7 @@ class Buckets:
         kind = Sidecar.from_facts(facts).kind
         return (kind, *(layer for layer in facts.texts("layers") if layer in present))
 
-    def flat(self, sidecar: SidecarFile, surface: SurfaceMesh) -> Generator[Step, None, Floats]:
+    def flat(self, sidecar: SidecarFile, surface: SurfaceMesh) -> Generator[ExportStep, None, Floats]:
         yield from ()
         leaves = Kind(read_sidecar(sidecar).kind).traits.light is Light.LEAVING
         return flat_buckets(sidecar, surface, light_channels(sidecar) if leaves else slice(3))

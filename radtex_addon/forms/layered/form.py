@@ -24,7 +24,7 @@ from ...settings.forms import LAYERED, FormTraits
 from ...settings.rays import coarser, finer
 from ...settings.spec import BakeSpec
 from ...textures.entry import TextureEntry
-from ...textures.export_spec import ExportSpec, Step, Target
+from ...textures.export_spec import ExportSpec, ExportStep, Target
 from ..bake_job import BakeJob
 from ..buckets.form import has_samples_and_cells
 from ..form import Form, Opened, PreviewOf
@@ -126,7 +126,7 @@ class Layered:
     def textures_of(self, facts: Facts, present: Collection[str]) -> tuple[str, ...]:
         return facts.texts("layers")
 
-    def flat(self, sidecar: SidecarFile, surface: SurfaceMesh) -> Generator[Step, None, Floats]:
+    def flat(self, sidecar: SidecarFile, surface: SurfaceMesh) -> Generator[ExportStep, None, Floats]:
         return flat_layered(sidecar, surface)
 
     def check_textures(self, sidecar: SidecarFile, spec: ExportSpec) -> None:

@@ -57,7 +57,7 @@ class OwnRays:
 
 
 @dataclass(frozen=True, eq=False)
-class Capture:
+class LayeredSamples:
     """What the layered layout is fitted to.
 
     `light`: single paths. `alone`: paths through the object in an empty world. `own`: mirror rays that meet

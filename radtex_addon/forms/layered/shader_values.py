@@ -69,7 +69,7 @@ CLEAR_ALPHA = (OWN, PLANE, THINGS)
 
 
 @dataclass(frozen=True)
-class Cost:
+class LookupCost:
     """What a lookup may cost.
 
     `steps`: fetches of distances, 0 to 2. `own_taps`, `rest_taps`: cells of a bucket that are blended, 3 or
@@ -109,12 +109,12 @@ THROUGH_BUFFER = {
     "radtex_through_rest_tile": 1,
 }
 
-DEFAULT = Cost()
-FULL = Cost(steps=2, own_taps=4, rest_taps=4)
+DEFAULT = LookupCost()
+FULL = LookupCost(steps=2, own_taps=4, rest_taps=4)
 
 
 def shader_facts(
-    sidecar: LayeredSidecar, stored: Mapping[str, Stored], cost: Cost = DEFAULT
+    sidecar: LayeredSidecar, stored: Mapping[str, Stored], cost: LookupCost = DEFAULT
 ) -> dict[str, Any]:
     """All of it, as JSON: "defines", "layers" whose textures are read, "values", and "materials"."""
     return {
@@ -141,7 +141,7 @@ def exported_facts(bake: Mapping[str, Any], textures: Mapping[str, TextureEntry]
     return facts
 
 
-def layers_read(sidecar: LayeredSidecar, cost: Cost = DEFAULT) -> tuple[str, ...]:
+def layers_read(sidecar: LayeredSidecar, cost: LookupCost = DEFAULT) -> tuple[str, ...]:
     """The layers whose textures the shaders read."""
     without: tuple[str, ...] = () if _mirrors(sidecar) else _OF_MIRRORS
     if not _mirrors(sidecar) and sidecar.through is None:
@@ -151,7 +151,7 @@ def layers_read(sidecar: LayeredSidecar, cost: Cost = DEFAULT) -> tuple[str, ...
     return tuple(layer for layer in sidecar.bake.layers if layer not in without)
 
 
-def definitions(sidecar: LayeredSidecar, cost: Cost = DEFAULT) -> dict[str, int]:
+def definitions(sidecar: LayeredSidecar, cost: LookupCost = DEFAULT) -> dict[str, int]:
     """What is defined before the shaders, or in WGSL overridden. Raises InputError for too many lamps."""
     layers = layers_read(sidecar, cost)
     lamps = len(sidecar.lamps) if WORLD in layers else 0
@@ -172,7 +172,7 @@ def definitions(sidecar: LayeredSidecar, cost: Cost = DEFAULT) -> dict[str, int]
     return found
 
 
-def bake_values(sidecar: LayeredSidecar, stored: Mapping[str, Stored], cost: Cost = DEFAULT) -> Values:
+def bake_values(sidecar: LayeredSidecar, stored: Mapping[str, Stored], cost: LookupCost = DEFAULT) -> Values:
     """The uniforms that are the same for all materials; `stored` tells of textures by layer.
 
     A layer that it lacks is stored as it is. Raises ValueError for a picture that is padded, and for
@@ -210,7 +210,7 @@ def bake_values(sidecar: LayeredSidecar, stored: Mapping[str, Stored], cost: Cos
     return values
 
 
-def material_values(sidecar: LayeredSidecar, number: int, cost: Cost = DEFAULT) -> Values:
+def material_values(sidecar: LayeredSidecar, number: int, cost: LookupCost = DEFAULT) -> Values:
     """The uniforms of one material: its curves at the steps of N.V."""
     material = sidecar.materials[number]
     falloff = sidecar.falloff[min(number, len(sidecar.falloff) - 1)]

@@ -28,7 +28,7 @@ from ...formats.sidecar_file import SidecarFile
 from ...settings.rays import step_to
 from ...textures.choice import choose, in_blocks, light_in_blocks
 from ...textures.entry import TextureEntry
-from ...textures.export_spec import Arrangement, ExportSpec, Step, Task, TextureFormat
+from ...textures.export_spec import Arrangement, ExportSpec, ExportStep, ExportTask, TextureFormat
 from ...textures.flat_lightmap import check_surface, even_directions
 from ...textures.texture_files import write_levels, write_ranged
 from .blocks import FORMATS, coded
@@ -52,7 +52,7 @@ def own_texels(path: Path, atlas: LayeredAtlas) -> tuple[Floats, float]:
     return atlas.own.reshape(*atlas.own.shape[:2], -1), 0.0
 
 
-def flat_layered(sidecar: SidecarFile, surface: SurfaceMesh) -> Generator[Step, None, Floats]:
+def flat_layered(sidecar: SidecarFile, surface: SurfaceMesh) -> Generator[ExportStep, None, Floats]:
     """The mean light (H, W, 3) of each texel of a bake in the layered layout, float32, row 0 at v = 0.
 
     Raises FormatError for files that cannot be read, and if the atlas is of another surface.
@@ -67,7 +67,9 @@ def flat_layered(sidecar: SidecarFile, surface: SurfaceMesh) -> Generator[Step, 
     return (yield from mean_of_layered(atlas, texels, material))
 
 
-def mean_of_layered(atlas: LayeredAtlas, texels: TexelMap, material: Ints) -> Generator[Step, None, Floats]:
+def mean_of_layered(
+    atlas: LayeredAtlas, texels: TexelMap, material: Ints
+) -> Generator[ExportStep, None, Floats]:
     """The mean light (H, W, 3) of an atlas's `texels`, over evenly spread directions of the hemisphere.
 
     `material` (K,): the numbers of the materials of the covered texels, row by row.
@@ -81,7 +83,7 @@ def mean_of_layered(atlas: LayeredAtlas, texels: TexelMap, material: Ints) -> Ge
     total = np.zeros((len(rows), 3))
     for done, (x, y, z) in enumerate(even_directions(_DIRECTIONS)):
         if done % _EACH == 0:
-            yield Step(Task.FLAT, done, _DIRECTIONS)
+            yield ExportStep(ExportTask.FLAT, done, _DIRECTIONS)
         viewer = x * tangent + y * bitangent + z * normal
         at = Fragments(uv, normal, viewer, position, material, tangent, bitangent).single()
         total += sample_layered(atlas, at)

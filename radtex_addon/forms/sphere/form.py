@@ -26,7 +26,7 @@ from ...core.messages import Setting, leave_out
 from ...core.surface import SurfaceMesh
 from ...core.texel_map import covered_texels
 from ...cycles.denoiser import image_denoiser
-from ...cycles.transfer_capture import MOST, Lit, capture_under_suns
+from ...cycles.transfer_capture import MOST, LitTexels, capture_under_suns
 from ...formats.image_files import Shapes
 from ...formats.json_reader import Facts
 from ...formats.sidecar import Sidecar
@@ -45,7 +45,7 @@ from ...scene.scratch import scene_copied
 from ...settings.forms import SPHERE, FormTraits
 from ...settings.spec import BakeSpec, View
 from ...textures.entry import TextureEntry
-from ...textures.export_spec import Arrangement, ExportSpec, Step, Target
+from ...textures.export_spec import Arrangement, ExportSpec, ExportStep, Target
 from ...textures.flat_lightmap import check_means
 from ...textures.matrix import write_matrix
 from ..bake_job import BakeJob
@@ -110,7 +110,7 @@ def bake_transfer(job: BakeJob) -> Generator[Progress, None, Outcome]:
     return Outcome((job.sidecar.with_suffix(".exr"),), layout, count, paths, written.bake.clamped)
 
 
-def _denoised(plan: CapturePlan, lit: Lit, denoiser: Denoiser) -> Generator[Progress, None, Lit]:
+def _denoised(plan: CapturePlan, lit: LitTexels, denoiser: Denoiser) -> Generator[Progress, None, LitTexels]:
     """Denoise the light of each view: for each sun, the picture over texels."""
     light = np.empty_like(lit.light)
     count, views, done = len(plan.texel), light.shape[2], 0
@@ -123,10 +123,10 @@ def _denoised(plan: CapturePlan, lit: Lit, denoiser: Denoiser) -> Generator[Prog
             light[:, own, view] = np.minimum(found, MOST).transpose(1, 0, 2)
             done += len(own)
     yield Progress(Stage.DENOISE, count, count)
-    return Lit(light, lit.alpha)
+    return LitTexels(light, lit.alpha)
 
 
-def _atlas(plan: CapturePlan, lit: Lit, n: int) -> Generator[Progress, None, Floats]:
+def _atlas(plan: CapturePlan, lit: LitTexels, n: int) -> Generator[Progress, None, Floats]:
     """The image (H*k*n, W*k*n, 4) float32 of k x k views, gutter filled."""
     layout, k = plan.layout, plan.layout.bucket
     atlas = np.empty((layout.height, k, n, layout.width, k, n, 4), dtype=np.float32)
@@ -179,7 +179,7 @@ class Sphere(Buckets):
     def textures_of(self, facts: Facts, present: Collection[str]) -> tuple[str, ...]:
         return (TransferSidecar.from_facts(facts).bake.kind,)
 
-    def flat(self, sidecar: SidecarFile, surface: SurfaceMesh) -> Generator[Step, None, Floats]:
+    def flat(self, sidecar: SidecarFile, surface: SurfaceMesh) -> Generator[ExportStep, None, Floats]:
         yield from ()
         return flat_sphere(sidecar, surface)
 

@@ -18,7 +18,7 @@ from ...core.cell_packing import Spot, place
 from ...core.islands import first_and_index, signed_areas, weld
 from ...core.texel_map import triangle_of_texels
 from ..mesh.flatten import FlatIslands
-from .uvunwrap_job import MERGED, Placed, pack, unwrap_progress
+from .uvunwrap_job import MERGED, PackedIslands, pack, unwrap_progress
 
 _MOST_GAIN = 1.7  # times as dense: more than islands gain by closer packing
 _TRIES = 7  # of densities, each half as far from the best one as the last
@@ -43,7 +43,7 @@ class Packed:
     width: int
     height: int
     density: float
-    loose: Placed | None
+    loose: PackedIslands | None
 
 
 def pack_islands(flat: FlatIslands, texels: int, padding: int) -> Steps[Packed]:
@@ -77,7 +77,7 @@ def _welded(flat: FlatIslands, real: Bools) -> tuple[Floats, Ints, Ints]:
     return corners[first], index.reshape(-1, 3), owner[first]
 
 
-def _on_centres(placed: Placed) -> Floats:
+def _on_centres(placed: PackedIslands) -> Floats:
     """The packed uv (F, 3, 2), each island's bounding box with its sides through centres of texels.
 
     Sides move within their texel, so that no island touches another texel than before.
@@ -153,7 +153,7 @@ class _Shapes:
     loose: float
 
     @classmethod
-    def of(cls, placed: Placed) -> _Shapes:
+    def of(cls, placed: PackedIslands) -> _Shapes:
         some = placed.owner >= 0
         owner = placed.owner[some]
         low, high = boxes(placed.uv[some], owner, placed.islands)

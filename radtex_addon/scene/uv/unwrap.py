@@ -34,7 +34,7 @@ from ..mesh.flatten import (
     merge_flat,
 )
 from .island_packing import Packed, pack_islands, packed_closer
-from .unwrap_options import UnwrapOptions, Unwrapped
+from .unwrap_options import AtlasUnwrap, UnwrapOptions
 from .uvunwrap_job import MERGED, check_uvunwrap, unwrap_progress
 from .xatlas_process import XatlasProcess, check_xatlas
 
@@ -72,7 +72,7 @@ def estimate_seconds(triangles: int, options: UnwrapOptions | None = None) -> fl
 
 def unwrap_steps(
     evaluated: EvaluatedMesh, texels: int, method: Unwrap, options: UnwrapOptions | None = None
-) -> Steps[Unwrapped]:
+) -> Steps[AtlasUnwrap]:
     """Unwrap into an atlas whose longer side is `texels`, or as `options.density` needs, if given.
 
     With a density, sides are multiples of `texel_density.STEP`, and at most `options.most`.
@@ -184,7 +184,7 @@ class _Try:
     Of many texels those within a texel of a border, on both sides of it, do not count, as a seam shows there;
     of few a share remains, or sparse islands would be the best. Those that see the surface squeezed along
     some direction count less: see `FlatIslands`. With a density, `interior` is their share of the atlas that
-    has it, and `needed` is as in `Unwrapped`.
+    has it, and `needed` is as in `AtlasUnwrap`.
     """
 
     flat: FlatIslands
@@ -266,11 +266,11 @@ def _with_cuts(evaluated: EvaluatedMesh, best: _Try, texels: int, options: Unwra
     return best
 
 
-def _finish(evaluated: EvaluatedMesh, best: _Try, seconds: float) -> Unwrapped:
+def _finish(evaluated: EvaluatedMesh, best: _Try, seconds: float) -> AtlasUnwrap:
     flat, packed = best.flat, best.packed
     uv = packed.uv / [packed.width, packed.height]
     _settle_thin(uv, evaluated, flat.island >= 0)
-    return Unwrapped(
+    return AtlasUnwrap(
         uv=uv,
         width=packed.width,
         height=packed.height,
@@ -283,7 +283,7 @@ def _finish(evaluated: EvaluatedMesh, best: _Try, seconds: float) -> Unwrapped:
     )
 
 
-def _tell(name: str, done: Unwrapped) -> None:
+def _tell(name: str, done: AtlasUnwrap) -> None:
     if done.overlap > _TOLERATED_OVERLAP:
         log.warning(
             "the unwrap of '%s' overlaps itself in %.1f %% of its area: try the other, or your UV layer",

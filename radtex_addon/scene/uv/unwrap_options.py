@@ -72,7 +72,7 @@ class UnwrapOptions:
 
 
 @dataclass(frozen=True, eq=False)
-class Unwrapped:
+class AtlasUnwrap:
     """`uv` (F, 3, 2) in 0..1, v up, for an atlas of `width` x `height` texels, and statistics.
 
     `utilisation` is the share of the atlas that islands cover, `density` the texels per scene unit, `overlap`

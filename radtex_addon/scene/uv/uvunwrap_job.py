@@ -34,7 +34,7 @@ class Charts:
 
 
 @dataclass(frozen=True, eq=False)
-class Placed:
+class PackedIslands:
     """Packed islands: `uv` (F, 3, 2) in texels of `width` x `height`, `density` in texels per unit.
 
     `owner` (F,) numbers the `islands`: those that overlapped themselves were taken apart.
@@ -78,7 +78,7 @@ def flatten(points: Floats, faces: Ints, seams: Bools, begin: float = 0.0, end: 
     return Charts(uv / max(atlas.texels_per_unit, 1e-30), owner)
 
 
-def pack(points: Floats, faces: Ints, owner: Ints, padding: int, size: int) -> Steps[Placed]:
+def pack(points: Floats, faces: Ints, owner: Ints, padding: int, size: int) -> Steps[PackedIslands]:
     """Place flat islands: points (V, 2), faces (F, 3), and the islands (V,) of the points.
 
     `padding` texels around each island stay free, in the library's own count, but none along the atlas's
@@ -104,7 +104,7 @@ def pack(points: Floats, faces: Ints, owner: Ints, padding: int, size: int) -> S
     uv, owner = _of_triangles(atlas)
     width, height = atlas.width - 2 * padding, atlas.height - 2 * padding
     placed = np.clip(uv - padding, 0, [width, height])  # it rounds to float32
-    return Placed(placed, owner, atlas.chart_count, width, height, atlas.texels_per_unit)
+    return PackedIslands(placed, owner, atlas.chart_count, width, height, atlas.texels_per_unit)
 
 
 def _of_triangles(atlas: Any) -> tuple[Floats, Ints]:

@@ -37,7 +37,7 @@ Options: TypeAlias = Mapping[str, float]  # attributes of xatlas's ChartOptions 
 
 
 @dataclass(frozen=True, eq=False)
-class Charts:
+class XatlasCharts:
     """A flattened mesh: `uv` (V, 2) in 0..1 of the atlas, `index` (F, 3) into it, `owner` (V,) its island.
 
     An `owner` of `count` or more means no island.
@@ -110,9 +110,9 @@ class XatlasProcess:
 
     def flatten(
         self, points: Floats, faces: Ints, normals: Floats, chart: Options, pack: Options
-    ) -> Steps[Charts]:
+    ) -> Steps[XatlasCharts]:
         """Flatten a mesh: points and normals (V, 3) float32, faces (F, 3) uint32."""
-        return Charts(*(yield from self._ask("flatten", points, faces, normals, chart, pack)))
+        return XatlasCharts(*(yield from self._ask("flatten", points, faces, normals, chart, pack)))
 
     def _ask(self, name: str, *arguments: object) -> Steps[tuple[Any, ...]]:
         """Send a request from a thread: Windows cannot wait for a pipe with a timeout."""

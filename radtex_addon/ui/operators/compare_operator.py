@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from ...formats.sidecar_file import SidecarFile
     from ...report.side_by_side import ComparisonSpec
-    from ...report.viewpoint import Eye
+    from ...report.viewpoint import Viewpoint
     from ...worker.job import Job
 
     _Bakes = Mapping[bpy.types.Object, SidecarFile | None]
@@ -125,7 +125,7 @@ class RADTEX_OT_compare(AsksFirst, MayWait, OfBake, bpy.types.Operator):
         place = bake_location(scene, bake, items[0].name)
         return bakes_of(items, place), place
 
-    def _compare(self, scene: bpy.types.Scene, bakes: _Bakes, eye: Eye, spec: ComparisonSpec) -> None:
+    def _compare(self, scene: bpy.types.Scene, bakes: _Bakes, eye: Viewpoint, spec: ComparisonSpec) -> None:
         """Compare in this process and report the result. Raises RadTexError."""
         from ...bake.progress import finished
         from ...report.side_by_side import compare_steps
@@ -138,12 +138,12 @@ class RADTEX_OT_compare(AsksFirst, MayWait, OfBake, bpy.types.Operator):
             {"INFO"}, f"{names}: {found.figures.psnr:.1f} dB (at 40 dB hardly anybody sees a difference)"
         )
 
-    def _eye(self, context: bpy.types.Context | None) -> Eye:
+    def _eye(self, context: bpy.types.Context | None) -> Viewpoint:
         """The view from the operator's matrices, else the 3D view's, else the camera's. Raises InputError."""
         import numpy as np
 
         from ...core.messages import do
-        from ...report.viewpoint import Eye
+        from ...report.viewpoint import Viewpoint
 
         region = cast(Any, context).region_data
         if self.properties.is_property_set("window_matrix"):
@@ -151,8 +151,8 @@ class RADTEX_OT_compare(AsksFirst, MayWait, OfBake, bpy.types.Operator):
         elif isinstance(region, bpy.types.RegionView3D) and region.view_perspective != "CAMERA":
             view, window = np.array(region.view_matrix), np.array(region.window_matrix)
         else:
-            return Eye.of_camera(*shown(context), do("look at the object in a 3D view"))
-        return Eye.of_view(view.reshape(4, 4), window.reshape(4, 4))
+            return Viewpoint.of_camera(*shown(context), do("look at the object in a 3D view"))
+        return Viewpoint.of_view(view.reshape(4, 4), window.reshape(4, 4))
 
 
 class RADTEX_OT_show_comparison(bpy.types.Operator):
@@ -187,7 +187,9 @@ class RADTEX_OT_show_comparison(bpy.types.Operator):
         return {"FINISHED"}
 
 
-def submit(scene: bpy.types.Scene, bakes: _Bakes, place: Path | None, eye: Eye, spec: ComparisonSpec) -> None:
+def submit(
+    scene: bpy.types.Scene, bakes: _Bakes, place: Path | None, eye: Viewpoint, spec: ComparisonSpec
+) -> None:
     """Queue a comparison with the bakes in `place` as a background job.
 
     Raises BakeError if the scene cannot be saved.

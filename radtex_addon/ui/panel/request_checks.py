@@ -18,7 +18,7 @@ from ...job.bake_request import BakeRequest
 from ...job.left_out import Found, LeftOut, find_bakeable
 from ...job.preflight import Preflight
 from ...preview.swap import is_on
-from ...store.bake_folder import State
+from ...store.bake_folder import FolderState
 from ..settings.bake_settings import BakeSettings
 from ..settings.object_settings import by_settings
 from ..settings.request import spec_of, values_of
@@ -106,4 +106,6 @@ def files_there(scene: bpy.types.Scene, request: BakeRequest) -> FilesThere:
     there = [request.place(bake) for bake in bakes]
     states = [one.state for one in there]
     done = sum(one.is_finished() for one in there)
-    return FilesThere(len(bakes), states.count(State.FINISHED), states.count(State.UNFINISHED), done)
+    return FilesThere(
+        len(bakes), states.count(FolderState.FINISHED), states.count(FolderState.UNFINISHED), done
+    )

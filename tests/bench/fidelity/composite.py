@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from radtex_addon.core.surface import ray_offset
-from radtex_addon.report.gbuffer import Array, BakedSurface, GBuffer, Rays
+from radtex_addon.report.gbuffer import Array, BakedSurface, CameraRays, GBuffer
 from radtex_addon.report.metrics import Picture
 
 from .method import Baked
@@ -21,7 +21,7 @@ _HIDDEN = 1 / 512  # of the light from behind: what eight bits round to nothing
 def seen_light(
     baked: Baked,
     surface: BakedSurface,
-    rays: Rays,
+    rays: CameraRays,
     blocked: Array,
     first: GBuffer,
     behind: Picture | None = None,

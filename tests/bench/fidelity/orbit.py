@@ -32,7 +32,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image, ImageDraw
 
-from radtex_addon.report.gbuffer import Array, BakedSurface, Rays
+from radtex_addon.report.gbuffer import Array, BakedSurface, CameraRays
 from radtex_addon.report.metrics import Mask, Picture, display, psnr
 
 from . import methods
@@ -120,8 +120,8 @@ def film(method: Method, scene: str, frames: int, pixels: int) -> list[Frame]:
         found = []
         for azimuth in np.arange(frames) * 2 * np.pi / frames:
             place, turn, half = _seen_from(surface.place, float(azimuth))
-            game, _ = _picture(baked, surface, Rays.of_camera(place, turn, half, pixels, 1))
-            rays = Rays.of_camera(place, turn, half, pixels, _SUBSAMPLES)
+            game, _ = _picture(baked, surface, CameraRays.of_camera(place, turn, half, pixels, 1))
+            rays = CameraRays.of_camera(place, turn, half, pixels, _SUBSAMPLES)
             found.append(Frame(game, *_picture(baked, surface, rays)))
     return found
 
@@ -138,7 +138,7 @@ def _seen_from(points: Array, azimuth: float) -> tuple[Array, Array, float]:
     return middle + distance * back, turn, radius / np.sqrt(distance**2 - radius**2) / _FILL
 
 
-def _picture(baked: Baked, surface: BakedSurface, rays: Rays) -> tuple[Picture, Mask]:
+def _picture(baked: Baked, surface: BakedSurface, rays: CameraRays) -> tuple[Picture, Mask]:
     buffer = surface.gbuffer(rays, np.full(len(rays.away), np.inf))
     light = seen_light(baked, surface, rays, np.full(len(rays.away), np.inf), buffer)
     picture = display(buffer.resolve(light))

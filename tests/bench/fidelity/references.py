@@ -23,7 +23,7 @@ import numpy.typing as npt
 from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
-from radtex_addon.report.gbuffer import Array, BakedSurface, GBuffer, Rays
+from radtex_addon.report.gbuffer import Array, BakedSurface, CameraRays, GBuffer
 from radtex_addon.report.metrics import Picture
 
 from .choice import add_scene_options, chosen_scenes
@@ -49,7 +49,7 @@ class View:
     held_out: bool
     reference: Picture
     repetition: Picture | None
-    rays: Rays
+    rays: CameraRays
     blocked: Array
     behind: Picture | None = None
 
@@ -101,7 +101,7 @@ def gbuffer(view: View, mesh: bpy.types.Mesh, matrix_world: npt.ArrayLike, uv_la
     return BakedSurface(mesh, matrix_world, uv_layer).gbuffer(view.rays, view.blocked)
 
 
-def distances(tree: BVHTree, rays: Rays) -> Array:
+def distances(tree: BVHTree, rays: CameraRays) -> Array:
     """How far away each of a camera's rays meets a mesh, (N,); a great distance where it meets none."""
     start = Vector(rays.origin.tolist())
     cast_ray = tree.ray_cast
@@ -110,11 +110,11 @@ def distances(tree: BVHTree, rays: Rays) -> Array:
     return np.fromiter(distances, np.float64, len(rays.away))
 
 
-def _rays(camera: bpy.types.Object, subsamples: int = SUBSAMPLES) -> Rays:
+def _rays(camera: bpy.types.Object, subsamples: int = SUBSAMPLES) -> CameraRays:
     data = cast(bpy.types.Camera, camera.data)
     turn = np.array(cast(Any, camera).rotation_euler.to_matrix())
     half = data.sensor_width / 2 / data.lens
-    return Rays.of_camera(np.array(cast(Any, camera.location)), turn, half, PIXELS, subsamples)
+    return CameraRays.of_camera(np.array(cast(Any, camera.location)), turn, half, PIXELS, subsamples)
 
 
 def blockers(stage: Stage) -> BVHTree:

@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 import pytest
 
-from radtex_addon.report.gbuffer import Array, BakedSurface, GBuffer, Rays
+from radtex_addon.report.gbuffer import Array, BakedSurface, CameraRays, GBuffer
 from radtex_addon.scene.mesh.copy import NORMAL, SIGN, TANGENT
 from tests.bench.fidelity.composite import LAYERS, seen_light
 from tests.bench.fidelity.method import Baked
@@ -47,7 +47,7 @@ def _seen(alphas: list[float], colours: Array, blocked: float = 1e9, behind: Any
         radiance=lambda buffer: (alpha[:, None] * colours)[number(buffer)],
         alpha=lambda buffer: alpha[number(buffer)],
     )  # fmt: skip
-    rays = Rays.of_camera((0, 0, 3), np.eye(3), 0.4, _PIXELS, 2)
+    rays = CameraRays.of_camera((0, 0, 3), np.eye(3), 0.4, _PIXELS, 2)
     surface = BakedSurface(mesh, np.eye(4), "Bake")
     depth = -rays.away[:, 2]
     ends = blocked / depth

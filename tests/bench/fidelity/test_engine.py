@@ -14,7 +14,7 @@ from radtex_addon.core.arrays import Floats
 from radtex_addon.core.octahedron import cell_directions
 from radtex_addon.core.sampler import bilinear
 from radtex_addon.forms.layered.fit.view_dependence import basis
-from radtex_addon.report.gbuffer import BakedSurface, Rays
+from radtex_addon.report.gbuffer import BakedSurface, CameraRays
 from radtex_addon.scene.mesh.copy import NORMAL, SIGN, TANGENT
 from tests.bench.fidelity.lightmaps import texture_bytes, up_to_white
 from tests.bench.fidelity.orbit import Frame, measure
@@ -119,7 +119,7 @@ def test_camera_is_found_from_the_rays_that_hit() -> None:
     turn = np.linalg.qr(_RNG.normal(size=(3, 3)))[0]
     turn *= np.sign(np.linalg.det(turn))
     place = turn @ np.array([0.1, -0.2, 5])
-    rays = Rays.of_camera(place, turn, 0.3, 24, 2)
+    rays = CameraRays.of_camera(place, turn, 0.3, 24, 2)
     buffer = BakedSurface(_triangle(), np.eye(4), "Bake").gbuffer(rays, np.full(len(rays.away), np.inf))
     assert 0 < buffer.hit.sum() < len(buffer.hit)
     camera = camera_of(buffer)

@@ -21,7 +21,7 @@ from radtex_addon.formats.containers.exr import read_render
 from radtex_addon.job import bake_object
 from radtex_addon.prepare.prepared import prepare
 from radtex_addon.report.finished_bake import read_bake
-from radtex_addon.report.gbuffer import Array, BakedSurface, GBuffer, Rays
+from radtex_addon.report.gbuffer import Array, BakedSurface, CameraRays, GBuffer
 from radtex_addon.scene.nodes import open_world
 from radtex_addon.scene.objects import find_object
 from radtex_addon.scene.scratch import scratch_scene
@@ -61,10 +61,10 @@ class Camera:
         """The rotation, a quaternion."""
         return cast(Any, Vector(self.place) - Vector(self.target)).to_track_quat("Z", "Y")
 
-    def rays(self, subsamples: int = SUBSAMPLES, pixels: int = PIXELS) -> Rays:
+    def rays(self, subsamples: int = SUBSAMPLES, pixels: int = PIXELS) -> CameraRays:
         """Through the middles of a picture's subsamples."""
         half = _SENSOR / 2 / self.lens
-        return Rays.of_camera(self.place, np.array(self.turn.to_matrix()), half, pixels, subsamples)
+        return CameraRays.of_camera(self.place, np.array(self.turn.to_matrix()), half, pixels, subsamples)
 
 
 def empty_scene(sky: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Any:

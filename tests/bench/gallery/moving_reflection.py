@@ -26,7 +26,7 @@ from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.sampler import Filter
 from radtex_addon.formats.containers.exr import read_buckets
-from radtex_addon.report.gbuffer import Array, Rays, eroded
+from radtex_addon.report.gbuffer import Array, CameraRays, eroded
 from radtex_addon.report.metrics import Mask, psnr
 from radtex_addon.settings.spec import BakeSpec
 from tests.reference.hits import sample_hit
@@ -140,7 +140,7 @@ class Atlas:
         return cls(bake, pixels.astype(np.float32), layout)
 
 
-def found(atlases: Sequence[Atlas], rays: Rays) -> tuple[Array, Array]:
+def found(atlases: Sequence[Atlas], rays: CameraRays) -> tuple[Array, Array]:
     """What rays find that end in the nearest of the atlases: light (N, 3), and how far away it is (N,)."""
     light, nearest = np.zeros_like(rays.away), np.full(len(rays.away), np.inf)
     for atlas in atlases:
@@ -160,7 +160,7 @@ def found(atlases: Sequence[Atlas], rays: Rays) -> tuple[Array, Array]:
     return light, nearest
 
 
-def drawn(atlases: Sequence[Atlas], rays: Rays, centre: Place) -> tuple[Array, Mask]:
+def drawn(atlases: Sequence[Atlas], rays: CameraRays, centre: Place) -> tuple[Array, Mask]:
     """The room with the ball at its place, (pixels, pixels, 3), and which pixels the ball fills."""
     light, distance = found(atlases, rays)
     away = rays.origin - np.array(centre)

@@ -34,7 +34,7 @@ from radtex_addon.formats.containers.exr import read_render
 from radtex_addon.formats.shadow_files import Words, read_shadow_of
 from radtex_addon.job import bake_object
 from radtex_addon.prepare.prepared import prepare
-from radtex_addon.report.gbuffer import BakedSurface, GBuffer, Rays
+from radtex_addon.report.gbuffer import BakedSurface, CameraRays, GBuffer
 from radtex_addon.report.metrics import Picture
 from radtex_addon.scene.nodes import open_world
 from radtex_addon.scene.objects import find_object
@@ -174,7 +174,7 @@ def views(surface: BakedSurface, lamp: Lamp) -> Iterator[tuple[str, GBuffer, Pic
 def _view(surface: BakedSurface, place: Place, pixels: int, samples: int) -> tuple[GBuffer, Picture]:
     """What a camera at a place, which looks at the origin, sees of the subject, and of the scene."""
     turn = cast(Any, Vector(place)).to_track_quat("Z", "Y")
-    rays = Rays.of_camera(place, np.array(turn.to_matrix()), _HALF, pixels, SUBSAMPLES)
+    rays = CameraRays.of_camera(place, np.array(turn.to_matrix()), _HALF, pixels, SUBSAMPLES)
     seen = surface.gbuffer(rays, np.full(len(rays.away), np.inf))
     return seen, _render(place, turn, pixels, samples)
 

@@ -24,7 +24,7 @@ from radtex_addon.formats.containers.exr import read_render
 from radtex_addon.formats.transfer_files import read_transfer
 from radtex_addon.job import bake_object
 from radtex_addon.prepare.prepared import prepare
-from radtex_addon.report.gbuffer import BakedSurface, Rays
+from radtex_addon.report.gbuffer import BakedSurface, CameraRays
 from radtex_addon.report.metrics import Mask, Picture
 from radtex_addon.scene.objects import find_object
 from radtex_addon.scene.scratch import scratch_scene
@@ -107,7 +107,7 @@ def rows(spec: BakeSpec = SPEC, stills: bool = True) -> Iterator[Row]:
     def looked(place: Place, towards: Place, pixels: int) -> tuple[Picture, Mask, Picture]:
         """Ours, where the lump is, and Cycles's."""
         turn = cast(Any, Vector(place)).to_track_quat("Z", "Y")
-        rays = Rays.of_camera(place, np.array(turn.to_matrix()), _HALF, pixels, SUBSAMPLES)
+        rays = CameraRays.of_camera(place, np.array(turn.to_matrix()), _HALF, pixels, SUBSAMPLES)
         seen = surface.gbuffer(rays, np.full(len(rays.away), np.inf))
         hit = seen.hit
         light = to_frame(

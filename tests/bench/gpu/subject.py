@@ -13,7 +13,13 @@ from typing import Any
 import numpy as np
 
 from radtex_addon.core.arrays import Floats
-from radtex_addon.formats.containers.texture import Form, PixelFormat, Texture, decode_texture, encode_texture
+from radtex_addon.formats.containers.texture import (
+    PixelFormat,
+    Texture,
+    TextureShape,
+    decode_texture,
+    encode_texture,
+)
 from radtex_addon.formats.containers.unit_blocks import CHANNELS, decode_units, encode_units
 
 from ..drawing import Model, View
@@ -30,7 +36,7 @@ class Image:
     `format` is of the blocks. An array's levels are (layers, H, W, C) float32, others (H, W, C).
     """
 
-    def __init__(self, form: Form, blocks: Texture | None, levels: tuple[Floats, ...]) -> None:
+    def __init__(self, form: TextureShape, blocks: Texture | None, levels: tuple[Floats, ...]) -> None:
         self._form, self._blocks, self._levels = form, blocks, levels
 
     @classmethod
@@ -40,7 +46,7 @@ class Image:
     @classmethod
     def of(cls, levels: Sequence[Floats], kind: PixelFormat, is_array: bool = False) -> Image:
         *layers, height, width, _ = levels[0].shape
-        form = Form(kind, width, height, layers[0] if is_array else 1, len(levels), is_array)
+        form = TextureShape(kind, width, height, layers[0] if is_array else 1, len(levels), is_array)
         return cls(form, None, tuple(levels))
 
     @property

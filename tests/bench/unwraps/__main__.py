@@ -27,7 +27,7 @@ from radtex_addon.core.uv_map import UvMap, draw_map
 from radtex_addon.formats.containers.png import encode_png
 from radtex_addon.scene.mesh.evaluated import EvaluatedMesh
 from radtex_addon.scene.mesh.flatten import islands_of
-from radtex_addon.scene.uv.unwrap_options import Unwrapped
+from radtex_addon.scene.uv.unwrap_options import AtlasUnwrap
 from tests.bench.fidelity.choice import names_of
 
 from .meshes import MESHES
@@ -46,7 +46,7 @@ class Score:
     seconds: float
 
     @classmethod
-    def of(cls, mesh: EvaluatedMesh, made: Unwrapped) -> Score:
+    def of(cls, mesh: EvaluatedMesh, made: AtlasUnwrap) -> Score:
         """Measure an unwrap of the mesh."""
         scaled = made.uv * [made.width, made.height] / made.density
         island = uv_islands(weld(mesh.position)[mesh.triangles], made.uv)

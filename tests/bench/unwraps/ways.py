@@ -20,10 +20,10 @@ from radtex_addon.scene.mesh.flatten import FlatIslands, flatten_with_uvunwrap, 
 from radtex_addon.scene.scratch import scratch_scene
 from radtex_addon.scene.uv.island_packing import pack_islands, packed_closer
 from radtex_addon.scene.uv.unwrap import unwrap_steps
-from radtex_addon.scene.uv.unwrap_options import UnwrapOptions, Unwrapped
+from radtex_addon.scene.uv.unwrap_options import AtlasUnwrap, UnwrapOptions
 from radtex_addon.settings.spec import Unwrap
 
-Unwrapper = Callable[[bpy.types.Object, EvaluatedMesh, int], Unwrapped]
+Unwrapper = Callable[[bpy.types.Object, EvaluatedMesh, int], AtlasUnwrap]
 
 _CARRIED = "RadTex carried"
 
@@ -39,13 +39,13 @@ def _by(method: Unwrap, options: UnwrapOptions | None = None) -> Unwrapper:
     return lambda _, mesh, texels: finished(unwrap_steps(mesh, texels, method, options))
 
 
-def _plain(_item: bpy.types.Object, mesh: EvaluatedMesh, texels: int) -> Unwrapped:
+def _plain(_item: bpy.types.Object, mesh: EvaluatedMesh, texels: int) -> AtlasUnwrap:
     """Islands as uvunwrap makes them, neither merged nor cut."""
     since = perf_counter()
     return _packed(finished(flatten_with_uvunwrap(mesh, UnwrapOptions())), texels, since)
 
 
-def _carried(item: bpy.types.Object, _mesh: EvaluatedMesh, texels: int) -> Unwrapped:
+def _carried(item: bpy.types.Object, _mesh: EvaluatedMesh, texels: int) -> AtlasUnwrap:
     """xatlas unwraps the base mesh, and modifiers carry its UVs to the mesh that is rendered."""
     since = perf_counter()
     shown = [(modifier, modifier.show_render) for modifier in item.modifiers]
@@ -69,7 +69,7 @@ def _carried(item: bpy.types.Object, _mesh: EvaluatedMesh, texels: int) -> Unwra
     return _packed(_scaled(whole, whole.uv(_CARRIED).astype(np.float64)), texels, since)
 
 
-def _by_angle(_item: bpy.types.Object, mesh: EvaluatedMesh, texels: int) -> Unwrapped:
+def _by_angle(_item: bpy.types.Object, mesh: EvaluatedMesh, texels: int) -> AtlasUnwrap:
     """Blender's own unwrap (least squares) of what lies between sharp edges and materials."""
     since = perf_counter()
     vertex = smooth_corners(mesh, UnwrapOptions())
@@ -89,13 +89,13 @@ def _scaled(mesh: EvaluatedMesh, uv: Floats, vertex: Ints | None = None) -> Flat
     return islands_of(mesh, uv * scale[island][:, None, None], island)
 
 
-def _packed(flat: FlatIslands, texels: int, since: float) -> Unwrapped:
+def _packed(flat: FlatIslands, texels: int, since: float) -> AtlasUnwrap:
     padding = UnwrapOptions().padding
     packed = finished(packed_closer(finished(pack_islands(flat, texels, padding)), texels, padding))
     uv = packed.uv / [packed.width, packed.height]
     used = float(np.abs(signed_areas(uv)).sum())
     size = packed.width, packed.height
-    return Unwrapped(uv, *size, packed.islands, used, packed.density, 0.0, perf_counter() - since)
+    return AtlasUnwrap(uv, *size, packed.islands, used, packed.density, 0.0, perf_counter() - since)
 
 
 WAYS: dict[str, Unwrapper] = {

@@ -23,7 +23,7 @@ from ....core.arrays import Bools, Floats, Ints
 from ....core.texel_map import TexelMap
 from ....cycles.path_ends import Body, path_ends
 from ....cycles.sampling import capture_ends, capture_samples
-from ....prepare.prepared import Piece, Prepared
+from ....prepare.prepared import BakedCopy, Prepared
 from ....scene.checks.finite_light import black_bake
 from ....scene.lights.light import is_dark
 from ....scene.mesh.joined import values_in
@@ -34,7 +34,7 @@ from ....settings.spec import BakeSpec
 from ..cells import EXIT_CELLS, OWN_RAYS, OWN_SIDE
 from ..fit.through import lets_through
 from ..lookup.environment import Around
-from ..samples import Capture, ExitSamples, OwnRays
+from ..samples import ExitSamples, LayeredSamples, OwnRays
 from .enclosed import enclosed
 from .exits import capture_exits
 from .lamps import find_lamps, refuse_negative_lamps
@@ -59,7 +59,7 @@ class Captured:
     `paths` count all that meet light or materials; `rays` those that only ask where the object itself is.
     """
 
-    capture: Capture
+    capture: LayeredSamples
     faces: Ints
     paths: int
     rays: int
@@ -163,7 +163,7 @@ class _Captures:
                 lone = replace(lone, plan=lit)  # all plans have the same texels, and each takes memory
             exits = self._exits((*bodies, *inside), middle, radius, rays.exits) if through else None
         capture = opacity.bare(
-            Capture(light, lone, own, around, fine_maps, coarse_maps, faces[material], exits)
+            LayeredSamples(light, lone, own, around, fine_maps, coarse_maps, faces[material], exits)
         )
         paths = total + len(probe.texel) * PROBES * PROBE_CELLS**2 + looked + opacity.rays + own.traced
         paths += 0 if exits is None else 3 * exits.weight.size
@@ -287,7 +287,7 @@ def material_count(prepared: Prepared) -> int:
     return int(prepared.surface.material_numbers.max()) + 1
 
 
-def _uvs(piece: Piece, prepared: Prepared) -> SurfaceUV:
+def _uvs(piece: BakedCopy, prepared: Prepared) -> SurfaceUV:
     """The texture coordinates of a piece's triangles, of which the atlas may cover a part."""
     mesh: Any = piece.mesh
     uv = values_in(mesh.attributes[prepared.uv_layer].data, "vector", 2).reshape(-1, 3, 2)

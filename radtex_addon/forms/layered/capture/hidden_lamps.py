@@ -27,7 +27,7 @@ _LEAST = 1e-12  # component of a direction
 
 
 @dataclass(frozen=True, eq=False)
-class Target:
+class HideableLamp:
     """A lamp that may be hidden: the `item`, the `place` (3,) where renders have it, and its `radius`."""
 
     item: bpy.types.Object
@@ -44,7 +44,7 @@ class Sights:
     along: Floats
 
     @classmethod
-    def of(cls, plan: CapturePlan, lamps: Sequence[Target]) -> Sights:
+    def of(cls, plan: CapturePlan, lamps: Sequence[HideableLamp]) -> Sights:
         """From points of the plan that face the lamps, to the lamps' near sides."""
         step = max(1, len(plan.texel) // _POINTS)
         points = plan.points[::step].astype(np.float64)
@@ -66,7 +66,7 @@ def hidden_lamps(
     scene: bpy.types.Scene,
     subjects: Collection[bpy.types.Object],
     plan: CapturePlan,
-    lamps: Sequence[Target],
+    lamps: Sequence[HideableLamp],
 ) -> Bools:
     """Whether each of some `lamps` is hidden from most points of the plan that face it: (L,).
 

@@ -34,7 +34,7 @@ from ....scene.mesh.render_contents import Shown, read_render
 from ....scene.regroup import regroup
 from ....settings.spec import Kind
 from ..lookup.environment import MOST_LAMPS, Lamp, lamps_of
-from .hidden_lamps import Target, hidden_lamps
+from .hidden_lamps import HideableLamp, hidden_lamps
 from .own_rays import dark_world
 
 log = logging.getLogger(__name__)
@@ -135,7 +135,7 @@ def find_lamps(
     Raises BakeError where Cycles fails.
     """
     lamps = [lamp for lamp in lamps_shown(scene, receivers) if _is_apart(lamp, middle)]
-    targets = [Target(lamp.item, middle + lamp.towards(middle), lamp.diameter / 2) for lamp in lamps]
+    targets = [HideableLamp(lamp.item, middle + lamp.towards(middle), lamp.diameter / 2) for lamp in lamps]
     hidden = hidden_lamps(scene, receivers, plan, targets) if lamps else np.zeros(0, dtype=bool)
     lamps = [lamp for lamp, is_hidden in zip(lamps, hidden, strict=True) if not is_hidden]
     if not lamps:

@@ -20,7 +20,7 @@ from ....core.sampler import bilinear
 from ....cycles.path_ends import Body
 from ....scene.scratch import scene_copied
 from ..fit.texel_maps import texel_middles
-from ..samples import Capture
+from ..samples import LayeredSamples
 from .material_maps import capture_alpha
 from .surface_alone import Clear
 
@@ -45,7 +45,7 @@ class Opacity:
         """Flat indices of texels that show next to nothing, of which nothing needs to be captured."""
         return self.texel[self.coarse < _CUT]
 
-    def bare(self, capture: Capture) -> Capture:
+    def bare(self, capture: LayeredSamples) -> LayeredSamples:
         """A capture without the texels that are cut out, divided by alpha but for its fine maps."""
         if self.fine is None:
             return capture

@@ -32,7 +32,7 @@ from ....scene.regroup import regroup
 from ....scene.scratch import find_view_layer, scene_copied
 from ....settings.rays import NEAR_SAMPLES, NEAR_WIDTH, WORLD_WIDTH
 from ..cells import PICTURE_SIZE
-from ..lookup.environment import Impostor, Layer, Pictures, Plane
+from ..lookup.environment import Impostor, Pictures, Plane, SurroundingLayer
 
 log = logging.getLogger(__name__)
 
@@ -161,7 +161,7 @@ class Panoramas:
     """The world's picture, the layers before it, and how many paths both cost."""
 
     world: Pictures
-    layers: tuple[Layer, ...]
+    layers: tuple[SurroundingLayer, ...]
     paths: int
 
 
@@ -209,17 +209,17 @@ def look_around(
     return Panoramas(world, tuple(layers), distant.paths + camera.paths)
 
 
-def _plane_layer(camera: _Camera, width: int, plane: Plane, size: int) -> Layer | None:
+def _plane_layer(camera: _Camera, width: int, plane: Plane, size: int) -> SurroundingLayer | None:
     """The picture of a plane below the camera; None if nothing is seen of it."""
     below = slice(0, width // 4)
     light = camera.render(width, NEAR_SAMPLES, below, denoise=True)["Combined"]
     if not light[..., 3].any():
         return None
     direction = camera.directions(width)[below]
-    return Layer(Pictures.of(*_with_mirror_image(plane, direction, light), size), plane)
+    return SurroundingLayer(Pictures.of(*_with_mirror_image(plane, direction, light), size), plane)
 
 
-def _impostor_layer(camera: _Camera, width: int, middle: Floats, size: int) -> Layer | None:
+def _impostor_layer(camera: _Camera, width: int, middle: Floats, size: int) -> SurroundingLayer | None:
     """The picture of all that is seen, and how far away it is; None if nothing is."""
     where = camera.render(width, 1, position=True)
     direction, alpha = camera.directions(width), where["Combined"][..., 3]
@@ -234,7 +234,7 @@ def _impostor_layer(camera: _Camera, width: int, middle: Floats, size: int) -> L
     seen = camera.render(width, NEAR_SAMPLES, rows, columns, denoise=True)
     light[rows, columns] = seen["Combined"]
     shape = Impostor.of(direction[solid], distance[solid])
-    return Layer(Pictures.of(direction, light, size), shape)
+    return SurroundingLayer(Pictures.of(direction, light, size), shape)
 
 
 def _around(some: Ints, count: int) -> slice:

@@ -8,7 +8,7 @@ import numpy as np
 
 from ....bake.piece_store import Arrays
 from ....core.arrays import Floats
-from ..lookup.environment import Around, Impostor, Lamp, Layer, Pictures, Plane
+from ..lookup.environment import Around, Impostor, Lamp, Pictures, Plane, SurroundingLayer
 
 
 def arrays_of(around: Around) -> Arrays:
@@ -28,7 +28,7 @@ def arrays_of(around: Around) -> Arrays:
 
 def around_of(arrays: Arrays) -> Around:
     """The inverse of `arrays_of`."""
-    layers: list[Layer] = []
+    layers: list[SurroundingLayer] = []
     while f"layer{len(layers)}_sharpest" in arrays:
         number = len(layers)
         shape: Plane | Impostor
@@ -37,7 +37,7 @@ def around_of(arrays: Arrays) -> Around:
             shape = Plane(_single(plane[:3]), float(plane[3]), _single(plane[4:]))
         else:
             shape = Impostor(arrays[f"nearness{number}"])
-        layers.append(Layer(_pictures(f"layer{number}", arrays), shape))
+        layers.append(SurroundingLayer(_pictures(f"layer{number}", arrays), shape))
     lamps = tuple(Lamp(_single(row[:3]), _single(row[3:6]), float(row[6])) for row in arrays["lamps"])
     return Around(arrays["middle"], _pictures("world", arrays), tuple(layers), lamps)
 

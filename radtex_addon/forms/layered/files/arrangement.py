@@ -18,7 +18,7 @@ import numpy as np
 from ....core.arrays import Floats
 from ..lookup.atlas import LayeredAtlas
 from ..lookup.edge_grid import EdgeImpostor, EdgePictures, on_edges
-from ..lookup.environment import Impostor, Layer, Pictures, Plane
+from ..lookup.environment import Impostor, Pictures, Plane, SurroundingLayer
 from ..lookup.ways import Through
 
 COLOUR, IRRADIANCE, TINT, NORMAL, WIDTH, ALPHA = "colour", "irradiance", "tint", "normal", "width", "alpha"
@@ -91,9 +91,9 @@ def through_of(images: Mapping[str, Floats], cells: int, rest_cells: int, size: 
     return Through(untiled(ways, cells, size), images[THROUGH_COLOUR], rest)
 
 
-def near_layers(atlas: LayeredAtlas) -> tuple[Layer | None, Layer | None]:
+def near_layers(atlas: LayeredAtlas) -> tuple[SurroundingLayer | None, SurroundingLayer | None]:
     """The plane and the other things of an atlas's surroundings. Raises ValueError for any other layers."""
-    found: list[Layer | None] = [None, None]
+    found: list[SurroundingLayer | None] = [None, None]
     for layer in atlas.around.layers:
         place = int(not isinstance(layer.shape, Plane))
         if found[place] is not None or (place == 0 and found[1] is not None):
@@ -109,7 +109,7 @@ def levels_on_edges(pictures: Pictures) -> tuple[Floats, ...]:
     return tuple(on_edges(level) for level in pictures.levels)
 
 
-def distances_on_edges(things: Layer) -> Floats:
+def distances_on_edges(things: SurroundingLayer) -> Floats:
     """One over the distances of what lies in each direction, (D, D, 1), likewise."""
     shape = things.shape
     assert isinstance(shape, Impostor)  # what is no plane

@@ -16,7 +16,7 @@ from ....formats.sidecar import Sidecar
 from ....formats.sidecar_file import AnySidecar, mismatch_error, opened, read_facts
 from ..lookup.atlas import LayeredAtlas
 from ..lookup.edge_grid import EdgeImpostor, EdgePictures
-from ..lookup.environment import Around, Layer
+from ..lookup.environment import Around, SurroundingLayer
 from .arrangement import (
     ALPHA,
     COLOUR,
@@ -89,9 +89,9 @@ def atlas_of(images: dict[str, Floats], facts: LayeredSidecar) -> LayeredAtlas:
     }
     layers = []
     if facts.plane is not None:
-        layers.append(Layer(pictures[PLANE], facts.plane))
+        layers.append(SurroundingLayer(pictures[PLANE], facts.plane))
     if THINGS in pictures:
-        layers.append(Layer(pictures[THINGS], EdgeImpostor(images[DISTANCES][..., 0])))
+        layers.append(SurroundingLayer(pictures[THINGS], EdgeImpostor(images[DISTANCES][..., 0])))
     through = facts.through
     return LayeredAtlas(
         colour=images[COLOUR],

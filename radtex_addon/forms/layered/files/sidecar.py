@@ -49,7 +49,7 @@ _MAPS = (TINT, NORMAL, WIDTH, ALPHA)
 
 
 @dataclass(frozen=True)
-class Picture:
+class OctahedralPicture:
     """The size of an octahedral picture's sharpest level, how many levels it has, and that one's width²."""
 
     size: int
@@ -82,7 +82,7 @@ class LayeredSidecar:
     own_cells: int
     rest_cells: int
     middle: Floats
-    pictures: dict[str, Picture]
+    pictures: dict[str, OctahedralPicture]
     distances: int
     nearness: float
     plane: Plane | None
@@ -286,12 +286,12 @@ class LayeredSidecar:
         return found
 
 
-def _picture(pictures: Pictures) -> Picture:
-    return Picture(len(pictures.levels[0]), len(pictures.levels), float(pictures.sharpest))
+def _picture(pictures: Pictures) -> OctahedralPicture:
+    return OctahedralPicture(len(pictures.levels[0]), len(pictures.levels), float(pictures.sharpest))
 
 
-def _picture_in(facts: Facts) -> Picture:
-    found = Picture(
+def _picture_in(facts: Facts) -> OctahedralPicture:
+    found = OctahedralPicture(
         facts.whole_number("size", 2, _LARGEST),
         facts.whole_number("levels", 1, _MOST_LEVELS),
         facts.positive("sharpest"),

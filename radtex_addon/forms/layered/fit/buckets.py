@@ -79,7 +79,7 @@ ALL_PARTS = Parts()
 
 
 @dataclass(frozen=True, eq=False)
-class Buckets:
+class FittedBuckets:
     """By bucket and cell: `own` light (3, B, n*n), the share left `free` (1, B, n*n), `rest` (3, B, m*m)."""
 
     own: Floats
@@ -93,7 +93,7 @@ class Buckets:
 
 def fit_buckets(
     surface: Surface, own: OwnRays, light: LightSamples, used: Bools, parts: Parts, known: Known | None = None
-) -> Buckets:
+) -> FittedBuckets:
     """Fit them to light samples, of which `used` (K, S) count, and rays in which the object meets itself."""
     fit = _Fit(
         surface, own, own_light(surface, own) if parts.own else None, light, used,
@@ -108,7 +108,7 @@ def fit_buckets(
     rest: Floats = np.zeros((3, len(surface.grid), cells * cells), dtype=np.float32)
     if parts.rest:
         rest = fit.rest(model, shown, used, cells, 1.0 if known is None else known.share)
-    return Buckets(model.own, model.free, rest)
+    return FittedBuckets(model.own, model.free, rest)
 
 
 @dataclass(frozen=True, eq=False)

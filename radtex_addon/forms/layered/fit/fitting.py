@@ -24,7 +24,7 @@ from ..lookup.atlas import LayeredAtlas
 from ..lookup.environment import Around
 from ..lookup.lobes import STEPS, Material
 from ..lookup.ways import Through
-from ..samples import Capture
+from ..samples import LayeredSamples
 from .bucket_grid import BucketGrid
 from .buckets import ALL_PARTS, Parts, fit_buckets, free_share
 from .diffuse import facing_of, fit_falloffs, fit_irradiance
@@ -82,7 +82,7 @@ def fit_widths(paths: Paths, neighbours: Neighbours) -> Floats:
 
 
 def fit_layered(
-    capture: Capture, parts: Parts = ALL_PARTS, known: Known | None = None
+    capture: LayeredSamples, parts: Parts = ALL_PARTS, known: Known | None = None
 ) -> Generator[Progress, None, LayeredAtlas]:
     """Fit the layered layout to a capture; what is `known` of a bake that is there stays. Yields progress."""
     yield Progress(Stage.FIT, 0, _STEPS)
@@ -142,7 +142,7 @@ def fit_layered(
 
 
 def _diffuse(
-    capture: Capture,
+    capture: LayeredSamples,
     facing: Floats,
     colour: Floats,
     neighbours: Neighbours,
@@ -167,7 +167,7 @@ def _known_lobes(known: Known | None, plan: CapturePlan) -> tuple[tuple[Material
 
 
 def _through(
-    capture: Capture, around: Around, used: Bools, grid: BucketGrid, known: Known | None
+    capture: LayeredSamples, around: Around, used: Bools, grid: BucketGrid, known: Known | None
 ) -> Through | None:
     exits, share = capture.exits, 1.0
     if known is not None:
@@ -202,7 +202,9 @@ def _flat_level(around: Around, level: Floats) -> Floats:
     return cast(Floats, without.look(np.zeros_like(direction), direction, variance).T.reshape(level.shape))
 
 
-def _open_paths(capture: Capture, ends: EndSamples, normal: Floats, free: Floats, grid: BucketGrid) -> Paths:
+def _open_paths(
+    capture: LayeredSamples, ends: EndSamples, normal: Floats, free: Floats, grid: BucketGrid
+) -> Paths:
     """The paths that are taken to leave the object straight away."""
     shape = ends.square.shape[:2]
     axis = np.empty((*shape, 3), dtype=np.float32)

@@ -157,7 +157,7 @@ class Impostor:
 
 
 @dataclass(frozen=True, eq=False)
-class Layer:
+class SurroundingLayer:
     """Things near the object, over nothing: `pictures` of premultiplied radiance and alpha, and a `shape`."""
 
     pictures: Pictures
@@ -198,7 +198,7 @@ class Around:
 
     middle: Floats
     world: Pictures
-    layers: tuple[Layer, ...]
+    layers: tuple[SurroundingLayer, ...]
     lamps: tuple[Lamp, ...]
 
     def look(self, offset: Floats, axis: Floats, variance: Floats) -> Floats:

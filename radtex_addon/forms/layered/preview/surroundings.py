@@ -12,7 +12,7 @@ import bpy
 from ....preview.taps import bilinear, pair, pixel_centre, readable_size
 from ....scene.nodes import NodeBuilder, Socket, close_group, open_group
 from ..files.arrangement import DISTANCES, PLANE, THINGS, WORLD
-from ..files.sidecar import LayeredSidecar, Picture
+from ..files.sidecar import LayeredSidecar, OctahedralPicture
 from ..lookup.environment import STEPS, Lamp, Plane
 from .images import constant, ordered
 
@@ -51,7 +51,7 @@ def around_group(
 
 
 def picture_group(
-    name: str, image: bpy.types.Image, picture: Picture, octahedron: bpy.types.ShaderNodeTree
+    name: str, image: bpy.types.Image, picture: OctahedralPicture, octahedron: bpy.types.ShaderNodeTree
 ) -> bpy.types.ShaderNodeTree:
     """Look up an octahedral picture around a Direction, blurred by a Spread: Color and Alpha.
 
@@ -83,7 +83,7 @@ def picture_group(
     )
 
 
-def _level_group(name: str, image: bpy.types.Image, picture: Picture) -> bpy.types.ShaderNodeTree:
+def _level_group(name: str, image: bpy.types.Image, picture: OctahedralPicture) -> bpy.types.ShaderNodeTree:
     """Look up one level, a whole number, at a place on the square, bilinear and clamped to the edge."""
     size = float(picture.size)
     tap, (cell, corner) = open_group(f"RadTex {name} Pixel", Cell="Vector", Corner="Vector")

@@ -31,7 +31,7 @@ from radtex_addon.forms.layered.files.arrangement import (
 )
 from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas
 from radtex_addon.forms.layered.lookup.edge_grid import EdgeImpostor, EdgePictures, on_edges
-from radtex_addon.forms.layered.lookup.environment import Around, Impostor, Layer, Pictures
+from radtex_addon.forms.layered.lookup.environment import Around, Impostor, Pictures, SurroundingLayer
 
 PLANE_SIZE, THINGS_SIZE = 512, 256  # texels along a side of near layers' pictures, at most
 
@@ -135,7 +135,7 @@ def _around(kept: _Kept, around: Around, near_sizes: tuple[int, int]) -> Around:
                 f"distances{number}", texture_of, DISTANCES, (on_edges(shape.nearness[..., None]),)
             )
             shape = shape if found is None else EdgeImpostor(found.values(0)[..., 0])
-        layers.append(Layer(pictures, shape))
+        layers.append(SurroundingLayer(pictures, shape))
     return replace(around, world=world, layers=tuple(layers))
 
 

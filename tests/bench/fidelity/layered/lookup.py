@@ -20,7 +20,7 @@ from radtex_addon.forms.layered.files.sidecar import LayeredSidecar
 from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas
 from radtex_addon.forms.layered.lookup.environment import Plane
 from radtex_addon.forms.layered.shader_values import (
-    Cost,
+    LookupCost,
     Stored,
     Values,
     bake_values,
@@ -43,7 +43,7 @@ class Lookup:
     """What `radtex_layered` needs: the facts of a bake, and its textures by layer."""
 
     sidecar: LayeredSidecar
-    cost: Cost
+    cost: LookupCost
     textures: Mapping[str, Texture]
     stored: Mapping[str, Stored]
 
@@ -75,7 +75,7 @@ class Lookup:
         return {f"radtex_{layer}_map": upload(context, texture) for layer, texture in self.textures.items()}
 
 
-def lookup_of(atlas: LayeredAtlas, textures: Mapping[str, Texture], cost: Cost) -> Lookup:
+def lookup_of(atlas: LayeredAtlas, textures: Mapping[str, Texture], cost: LookupCost) -> Lookup:
     """The lookup of a decoded atlas and its textures by `compressed`.
 
     Raises ValueError for layers that are not a plane, or things, or things before a plane, and for light that
