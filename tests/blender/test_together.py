@@ -18,6 +18,7 @@ from radtex_addon.core.sampler import Filter
 from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.formats.sidecar import Part, read_sidecar
 from radtex_addon.job import bake_object, part_specs
+from radtex_addon.job.split_parts import may_lack_parts
 from radtex_addon.settings.parts import tile_name, tile_place
 from radtex_addon.settings.spec import BakeSpec, Kind, Split
 from tests.blender import stage
@@ -170,6 +171,26 @@ def test_a_part_that_is_not_there_is_named(out: Path) -> None:
     two_coloured()
     with pytest.raises(InputError, match="'Cube' has no material 'Warm' in renders: it has 'Hot', 'Cold / w"):
         bake_object(context.scene, "Cube", replace(QUICK, split=Split.MATERIAL, part="Warm"), out)
+
+
+def test_a_guess_misses_parts_of_empty_slots_geometry_nodes_and_tiles(empty_file: None) -> None:
+    spec = replace(QUICK, split=Split.MATERIAL)
+
+    def may_lack(spec: BakeSpec = spec) -> bool:
+        return may_lack_parts(context.scene, ["Cube"], spec)
+
+    made = cube("Cube", glow("Hot", RED), 0)
+    assert not may_lack()
+    assert not may_lack(QUICK), "nothing is split"
+    assert not may_lack(replace(spec, part="Hot")), "the part is named"
+    assert may_lack(replace(spec, split=Split.UDIM, uv_layer="UVMap"))
+    made.data.materials.append(None)
+    assert may_lack(), "a slot is empty"
+    made.data.materials.clear()
+    assert may_lack(), "there are no slots"
+    made.data.materials.append(glow("Cold", BLUE))
+    made.modifiers.new("Paint", "NODES")
+    assert may_lack(), "nodes may set materials"
 
 
 def test_each_tile_has_an_atlas_of_its_own(out: Path) -> None:
