@@ -24,7 +24,9 @@ from ..scene.mesh.copy import UV_LAYER
 from ..scene.mesh.evaluated import EvaluatedMesh, evaluate
 from ..scene.mesh.joined import side_by_side
 from ..scene.mesh.mesh_parts import Parts, in_first_tile, parts_of, taken
+from ..scene.mesh.seen_faces import seen_from_outside
 from ..scene.scratch import at_frame
+from ..scene.uv.artist_islands import ArtistIslands
 from ..scene.uv.unwrap import unwrap_steps
 from ..scene.uv.unwrap_options import UnwrapOptions
 from ..scene.uv.uv_layer import check_apart, user_uv, why_unfit
@@ -254,6 +256,10 @@ def _anew(
     every = np.concatenate([np.stack(faces_of_mesh) for faces_of_mesh in _by_mesh(parts)], axis=1)
     uv = np.zeros((every.shape[1], 3, 2), dtype=np.float32)  # as meshes store it
     sizes = []
+    auto = spec.unwrap is Unwrap.AUTO
+    seen = np.ones(every.shape[1], dtype=bool)
+    if auto and spec.density is None:
+        seen = yield from seen_from_outside(meshes)
     for faces, some in zip(parts.values(), every, strict=True):
         those = [
             with_twins_moved(mesh if one.all() else taken(mesh, one))
@@ -261,7 +267,9 @@ def _anew(
             if one.any()
         ]
         names = "', '".join(mesh.name for mesh in those)
-        found = yield from unwrap_steps(side_by_side(those, names), spec.texels, spec.unwrap, options)
+        artist = ArtistIslands.of_meshes(those, options) if auto else None
+        row = side_by_side(those, names)
+        found = yield from unwrap_steps(row, spec.texels, spec.unwrap, options, artist, seen[some])
         uv[some] = found.uv
         sizes.append([found.width, found.height, found.islands, found.needed])
     return {"uv": uv, "sizes": np.array(sizes)}

@@ -12,30 +12,33 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
-from ...bake.progress import Progress, Stage, Steps, finished
-from ...core.arrays import Bools, Floats, Ints, blocks
+from ...bake.progress import Steps, finished
+from ...core.arrays import Bools, Floats, Ints
 from ...core.frame import normalised
-from ...core.islands import areas_on_surface, components, weld
-from ...core.surface import edge_keys, inner_edges, ray_offset
+from ...core.islands import areas_on_surface, weld
+from ...core.surface import edge_keys, inner_edges
 from .evaluated import EvaluatedMesh, MeshAttribute
+from .face_rays import (
+    having_neighbours,
+    leaving_rays,
+    rays_per_triangle,
+    regions,
+    small_regions,
+    spread_to_neighbours,
+)
 from .mesh_parts import taken
 from .triangle_tree import triangle_tree
 
 TWIN = "radtex_twin"  # attribute of faces: their twin's index, or -1; of twins: -2 minus their face's index
-_AT_ONCE = 1 << 14  # rays between two reports of progress
 _RAYS = 200_000  # about so many in total, in proportion to area, but at least one for each triangle
 _RAYS_IN_CLOSED = 20_000  # in total from the backs of a closed surface, unless one of them leaves it
 _LEAST, _MOST = 8, 512  # rays per triangle; in large meshes the least is lower
-_OFF = 0.05  # times a bake's ray offset: how far behind a triangle rays start; thin walls must be thicker
-_SPREAD = 3  # how often each triangle's result is averaged with its neighbours' results
 _SEEN = 0.01  # share of a triangle's rays that must leave the mesh
 _HOLE = 0.02  # times the area seen from behind: smaller unseen regions next to it count as seen, too
 _CRACK = 0.02  # times the area of the connected surface: smaller seen regions get no twins
 _FEW = 0.002  # times the mesh's area: if less is seen from behind in total, nothing gets twins
-_INSET = 0.1  # share of the way to the triangle's middle: keeps rays' starts away from its edges
 _LIFT = 5e-6  # times the mesh's diagonal: how far twins are off their faces in previews
 _APART = 1.2  # times the mesh's extent: how far twins are moved for the unwrap
 
@@ -74,14 +77,10 @@ def seen_from_behind_steps(mesh: EvaluatedMesh) -> Steps[Bools]:
         return none
     share = yield from _leaving(mesh, tree, area, wanted)
     first, second = inner_edges(vertex).starts.T // 3
-    count = np.bincount(np.concatenate([first, second]), minlength=len(triangles)) + 1
-    for _ in range(_SPREAD):
-        total = share + np.bincount(first, share[second], len(share))
-        share = (total + np.bincount(second, share[first], len(share))) / count
-    seen = share > _SEEN
-    seen = seen | _joined(seen, first, second)
-    seen &= ~_small(seen, first, second, area, _CRACK * _area_of_surface(first, second, area))
-    hole = _small(~seen, first, second, area, np.full(len(seen), _HOLE * area[seen].sum()))
+    seen = spread_to_neighbours(share, first, second) > _SEEN
+    seen = seen | having_neighbours(seen, first, second)
+    seen &= ~small_regions(seen, first, second, area, _CRACK * _area_of_surface(first, second, area))
+    hole = small_regions(~seen, first, second, area, np.full(len(seen), _HOLE * area[seen].sum()))
     found: Bools = wanted & (seen | (hole & _beside(hole, seen, first, second)))
     return found & (area[found].sum() > _FEW * area.sum())
 
@@ -207,80 +206,30 @@ def _any_leaves(mesh: EvaluatedMesh, tree: BVHTree, area: Floats, rays: int) -> 
     """Whether any of some rays from the backs leaves the mesh; they start as densely all over the `area`."""
     so_far = np.cumsum(area)
     place = (np.arange(rays) + 0.5) / rays * so_far[-1]
-    free = yield from _cast(mesh, tree, np.searchsorted(so_far, place), stop=True)
+    face = np.searchsorted(so_far, place)
+    free = yield from leaving_rays(mesh.position, mesh.triangles, tree, face, -1, stop=True)
     return bool(free.any())
 
 
 def _leaving(mesh: EvaluatedMesh, tree: BVHTree, area: Floats, wanted: Bools) -> Steps[Floats]:
     """The share of rays from each triangle's back that leave the mesh: (F,), 0 where not `wanted` (F,)."""
-    least = max(1, min(_LEAST, _RAYS // len(area)))
-    rays = np.clip(np.rint(_RAYS * area / area.sum()), least, _MOST).astype(np.int64) * wanted
+    rays = rays_per_triangle(area, _RAYS, _LEAST, _MOST) * wanted
     face = np.repeat(np.arange(len(rays)), rays)
-    free = yield from _cast(mesh, tree, face)
+    free = yield from leaving_rays(mesh.position, mesh.triangles, tree, face, -1)
     left: Floats = np.bincount(face, free.astype(np.float64), len(rays)) / np.maximum(rays, 1)
     return left
 
 
-def _cast(mesh: EvaluatedMesh, tree: BVHTree, face: Ints, stop: bool = False) -> Steps[Bools]:
-    """Which rays from the backs of triangles `face` (K,) leave the mesh, (K,); yields progress in rays.
-
-    With `stop`, rays after the first that leave are not cast.
-    """
-    random = np.random.default_rng(0)
-    root, along = np.sqrt(random.random(len(face)))[:, None], random.random(len(face))[:, None]
-    anywhere = random.normal(size=(len(face), 3))
-    off = _OFF * ray_offset(mesh.position)
-    cast: Any = tree.ray_cast
-    free = np.zeros(len(face), dtype=bool)
-    for some in blocks(len(face), _AT_ONCE):
-        yield Progress(Stage.EVALUATE, some.start, len(face))
-        corners = mesh.position[mesh.triangles[face[some]]].astype(np.float64)
-        a, b, c = corners.transpose(1, 0, 2)
-        behind = -normalised(np.cross(b - a, c - a))
-        place = a * (1 - root[some]) + root[some] * ((1 - along[some]) * b + along[some] * c)
-        place += _INSET * (corners.mean(axis=1) - place)
-        place += off * behind
-        ways = normalised(behind + 0.999 * normalised(anywhere[some]))
-        free[some] = [
-            cast(Vector(start), Vector(way))[0] is None
-            for start, way in zip(place.tolist(), ways.tolist(), strict=True)
-        ]
-        if stop and free[some].any():
-            break
-    return free
-
-
-def _joined(some: Bools, first: Ints, second: Ints) -> Bools:
-    """The triangles that have a neighbour in `some`."""
-    found = np.zeros_like(some)
-    found[first[some[second]]] = True
-    found[second[some[first]]] = True
-    return found
-
-
-def _regions(some: Bools, first: Ints, second: Ints) -> Ints:
-    """Labels (F,) of the connected regions of `some` triangles; each other triangle is its own region."""
-    inside = some[first] & some[second]
-    return components(np.stack([first[inside], second[inside]], axis=1), len(some))
-
-
 def _area_of_surface(first: Ints, second: Ints, area: Floats) -> Floats:
     """For each triangle the area of the connected surface that it belongs to, (F,)."""
-    label = _regions(np.ones(len(area), dtype=bool), first, second)
+    label = regions(np.ones(len(area), dtype=bool), first, second)
     total: Floats = np.bincount(label, area)[label].astype(np.float64)
     return total
 
 
-def _small(some: Bools, first: Ints, second: Ints, area: Floats, least: Floats) -> Bools:
-    """Those of `some` triangles whose connected region has less area than `least` (F,)."""
-    label = _regions(some, first, second)
-    found: Bools = some & (np.bincount(label, area)[label] < least)
-    return found
-
-
 def _beside(some: Bools, seen: Bools, first: Ints, second: Ints) -> Bools:
     """Triangles in connected regions of `some` that have a `seen` neighbour."""
-    label = _regions(some, first, second)
+    label = regions(some, first, second)
     touched = np.zeros(len(label), dtype=bool)
-    touched[label[some & _joined(seen, first, second)]] = True
+    touched[label[some & having_neighbours(seen, first, second)]] = True
     return touched[label]

@@ -249,11 +249,14 @@ def _apart_from_itself(flat: Floats, owner: Ints, chosen: Bools) -> Bools:
     """Which of the `chosen` groups (G,) overlap nowhere."""
     kept = chosen[owner]
     number = (np.cumsum(chosen) - 1)[owner[kept]]
-    return _overlaps(flat[kept], number, int(np.count_nonzero(chosen))) <= _OVERLAP
+    return overlaps(flat[kept], number, int(np.count_nonzero(chosen))) <= _OVERLAP
 
 
-def _overlaps(flat: Floats, owner: Ints, count: int) -> Floats:
-    """For each island the share of its area that is covered twice: (count,)."""
+def overlaps(flat: Floats, owner: Ints, count: int) -> Floats:
+    """For each of `count` islands the share of its area that is covered twice: (count,).
+
+    `flat` (F, 3, 2) are triangles, `owner` (F,) their islands.
+    """
     if not count:
         return np.zeros(0)
     across = math.ceil(math.sqrt(count))

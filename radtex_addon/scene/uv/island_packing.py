@@ -22,7 +22,7 @@ from .uvunwrap_job import MERGED, PackedIslands, pack, unwrap_progress
 
 _MOST_GAIN = 1.7  # times as dense: more than islands gain by closer packing
 _TRIES = 7  # of densities, each half as far from the best one as the last
-_QUICK = 8_000_000  # islands times texels: a try of so many takes a second
+_QUICK = 40_000_000  # islands times texels: a try of so many takes a second
 _ENDS_THERE = 1e-3  # texels: an island that ends this close to a texel's edge ends there
 _HUGE = 1_000_000  # triangles
 _ROUNDING = 1e-3  # texels: a side this close to a texel's edge lies on it

@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Unwrap a surface into few, large islands with little stretch, packed to the size of the atlas.
 
-Three methods flatten the surface: uvunwrap, whose islands are merged and cut until they use the atlas best;
-xatlas; and Blender's Smart UV Project. The islands of all are packed alike.
+Clean islands of an artist's UV layer are kept, if they are given. Three methods flatten the rest: uvunwrap,
+whose islands are merged and cut until they use the atlas best; xatlas; and Blender's Smart UV Project. The
+islands of all are packed alike.
 """
 
 from __future__ import annotations
@@ -33,6 +34,8 @@ from ..mesh.flatten import (
     islands_of,
     merge_flat,
 )
+from ..mesh.mesh_parts import taken
+from .artist_islands import ArtistIslands
 from .island_packing import Packed, pack_islands, packed_closer
 from .unwrap_options import AtlasUnwrap, UnwrapOptions
 from .uvunwrap_job import MERGED, check_uvunwrap, unwrap_progress
@@ -46,6 +49,10 @@ _COVERED = 0.55  # share of an atlas that islands cover, to guess how large texe
 _CUTS = 6  # rounds
 _HUGE = 1_000_000  # triangles, of which one round takes a minute
 _QUICK = 50_000  # triangles that Blender's projection takes a moment for, so that it is tried, too
+_LEAST_INTERIOR = (
+    0.4  # share of an artist's islands that lies a texel off their borders, or they are not kept
+)
+_HIDDEN = 0.25  # times as many texels along a side where no camera can be: they colour what mirrors them
 _EXACT = 0.01  # share by which a density may differ from what is asked for
 _PACKINGS = 5  # tries to come that near
 _TOLERATED_OVERLAP = 1e-3  # share of the covered area: less overlap is only a few slivers
@@ -71,9 +78,17 @@ def estimate_seconds(triangles: int, options: UnwrapOptions | None = None) -> fl
 
 
 def unwrap_steps(
-    evaluated: EvaluatedMesh, texels: int, method: Unwrap, options: UnwrapOptions | None = None
+    evaluated: EvaluatedMesh,
+    texels: int,
+    method: Unwrap,
+    options: UnwrapOptions | None = None,
+    artist: ArtistIslands | None = None,
+    seen: Bools | None = None,
 ) -> Steps[AtlasUnwrap]:
     """Unwrap into an atlas whose longer side is `texels`, or as `options.density` needs, if given.
+
+    What is in the `artist`'s islands stays as it is there, if that is worth it. Triangles that are not `seen`
+    (F,) get a quarter of the texels along each side; all are seen if it is None.
 
     With a density, sides are multiples of `texel_density.STEP`, and at most `options.most`.
 
@@ -88,15 +103,16 @@ def unwrap_steps(
         _announce(evaluated, options)
     _check_area(evaluated)
     start = time.perf_counter()
+    given = _Given(artist, seen)
     if options.density is None:
-        best = yield from _best(evaluated, texels, method, options)
+        best = yield from _best(evaluated, texels, method, options, given)
         closer = yield from packed_closer(best.packed, texels, options.padding)
         best = replace(best, packed=closer)
     else:
         about = about_side(_area(evaluated), options.density)
         side = min(about, options.most)
         reachable = replace(options, density=options.density * side / about)
-        best = yield from _best(evaluated, side, method, reachable)
+        best = yield from _best(evaluated, side, method, reachable, given)
         best = yield from _at_density(evaluated, best, options, options.density)
     done = unwrap_progress(1)
     made = yield from in_a_thread(lambda: _finish(evaluated, best, time.perf_counter() - start), done)
@@ -138,8 +154,20 @@ def _check_area(evaluated: EvaluatedMesh) -> None:
         )
 
 
-def _best(evaluated: EvaluatedMesh, texels: int, method: Unwrap, options: UnwrapOptions) -> Steps[_Try]:
-    tries = yield from _flattened(evaluated, texels, method, options)
+@dataclass(frozen=True, eq=False)
+class _Given:
+    """What the caller knows of the surface: as in `unwrap_steps`."""
+
+    artist: ArtistIslands | None
+    seen: Bools | None
+
+
+def _best(
+    evaluated: EvaluatedMesh, texels: int, method: Unwrap, options: UnwrapOptions, given: _Given
+) -> Steps[_Try]:
+    tries = yield from _with_artist_islands(evaluated, texels, method, options, given.artist)
+    if given.seen is not None and not given.seen.all():
+        tries = [_smaller_where_hidden(evaluated, flat, given.seen) for flat in tries]
     best: _Try | None = None
     failure: InputError | None = None
     for flat in tries:
@@ -155,6 +183,40 @@ def _best(evaluated: EvaluatedMesh, texels: int, method: Unwrap, options: Unwrap
     if method is Unwrap.UVUNWRAP:
         best = yield from _with_cuts(evaluated, best, texels, options)
     return best
+
+
+def _with_artist_islands(
+    evaluated: EvaluatedMesh,
+    texels: int,
+    method: Unwrap,
+    options: UnwrapOptions,
+    artist: ArtistIslands | None,
+) -> Steps[list[FlatIslands]]:
+    """Several ways to flatten the mesh; what is in the artist's islands is the same in all."""
+    if artist is None or not artist.kept.any():
+        return (yield from _flattened(evaluated, texels, method, options))
+    rest = ~artist.kept
+    own = islands_of(evaluated, artist.uv, artist.island)
+    density = options.density or texels * math.sqrt(_COVERED / max(own.area, 1e-30))
+    if own.interior(density) < _LEAST_INTERIOR * own.area * density**2:
+        log.info("the islands of the UV layer of '%s' are too small for so few texels", evaluated.name)
+        return (yield from _flattened(evaluated, texels, method, options))
+    if not rest.any():
+        return [own]
+    tries = yield from _flattened(taken(evaluated, rest), texels, method, options)
+    found = []
+    for flat in tries:
+        uv, island = artist.uv.copy(), artist.island.copy()
+        uv[rest] = flat.uv
+        island[rest] = np.where(flat.island >= 0, flat.island + own.count, -1)
+        found.append(islands_of(evaluated, uv, island))
+    return found
+
+
+def _smaller_where_hidden(evaluated: EvaluatedMesh, flat: FlatIslands, seen: Bools) -> FlatIslands:
+    """The islands cut where what is seen ends, and smaller beyond."""
+    island = np.where(flat.island >= 0, 2 * flat.island + seen, -1)
+    return islands_of(evaluated, flat.uv * np.where(seen, 1, _HIDDEN)[:, None, None], island)
 
 
 def _flattened(
@@ -198,8 +260,7 @@ def _tried(evaluated: EvaluatedMesh, flat: FlatIslands, texels: int, options: Un
     if packed.islands > flat.count:
         flat = islands_of(evaluated, flat.uv, packed.island)
     density = options.density or packed.density
-    shown, seams = flat.resolved * density**2, 2 * flat.border * density
-    interior = shown**2 / max(shown + seams, 1e-30)
+    interior = flat.interior(density)
     log.debug("%d islands, %.4g texels per unit, interior %.0f", flat.count, packed.density, interior)
     if options.density is not None:  # all show as much: the smallest is the best
         interior /= packed.width * packed.height * (options.density / packed.density) ** 2

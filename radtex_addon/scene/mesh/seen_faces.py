@@ -1,0 +1,73 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Find out which faces a camera outside of the meshes can see; the others need few texels."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...bake.progress import Steps
+from ...core.arrays import Bools, Floats, Ints
+from ...core.islands import areas_on_surface, weld
+from ...core.surface import inner_edges
+from ..checks.see_through import is_see_through
+from .evaluated import EvaluatedMesh
+from .face_rays import leaving_rays, rays_per_triangle, small_regions, spread_to_neighbours
+from .triangle_tree import triangle_tree
+
+_FIRST = 4_000  # rays from all over the surface: if nearly all leave, no face is hidden
+_OPEN = 0.98  # of those
+_RAYS = 200_000  # about so many in total, in proportion to area
+_LEAST, _MOST = 4, 256  # rays per triangle; in large meshes the least is lower
+_SEEN = 0.005  # share of the rays that leave the meshes around a triangle, from which on it is seen
+_CRUMB = 0.002  # times the whole area: hidden regions that are smaller keep their texels
+_ENCLOSED = 0.9  # share of the area: where more is hidden, cameras are inside, as in a room
+
+
+def seen_from_outside(meshes: Sequence[EvaluatedMesh]) -> Steps[Bools]:
+    """Which triangles a camera outside of the meshes can see, (F,), those of all meshes one after another.
+
+    Cosine-distributed rays start in front of each triangle; it is seen if some of them, or of its
+    neighbours', leave all of the meshes. Faces of clear materials hide nothing. If hardly any ray leaves, as
+    in a room, all count as seen. Yields progress.
+    """
+    position, triangles, opaque = _in_world(meshes)
+    area = areas_on_surface(position, triangles)
+    every = np.ones(len(triangles), dtype=bool)
+    if not (opaque.any() and area.sum() > 0):
+        return every
+    tree = triangle_tree(position, triangles[opaque])
+    so_far = np.cumsum(area)
+    place = (np.arange(_FIRST) + 0.5) / _FIRST * so_far[-1]
+    free = yield from leaving_rays(position, triangles, tree, np.searchsorted(so_far, place), 1)
+    if free.mean() > _OPEN:
+        return every
+    rays = rays_per_triangle(area, _RAYS, _LEAST, _MOST)
+    face = np.repeat(np.arange(len(rays)), rays)
+    free = yield from leaving_rays(position, triangles, tree, face, 1)
+    share = np.bincount(face, free.astype(np.float64), len(rays)) / rays
+    first, second = inner_edges(weld(position)[triangles]).starts.T // 3
+    hidden = spread_to_neighbours(share, first, second) < _SEEN
+    hidden &= ~small_regions(hidden, first, second, area, np.full(len(area), _CRUMB * area.sum()))
+    return every if area[hidden].sum() > _ENCLOSED * area.sum() else ~hidden
+
+
+def _in_world(meshes: Sequence[EvaluatedMesh]) -> tuple[Floats, Ints, Bools]:
+    """All meshes' vertices (V, 3) in world space, triangles (F, 3), and which of these hide things (F,)."""
+    first = np.cumsum([0, *(len(mesh.position) for mesh in meshes)])
+    triangles = [
+        (mesh.triangles[:, ::-1] if mesh.mirrored else mesh.triangles) + start
+        for mesh, start in zip(meshes, first, strict=False)
+    ]
+    opaque = [~_clear_slots(mesh)[mesh.material_index] for mesh in meshes]
+    position = np.concatenate([mesh.world_position for mesh in meshes])
+    return position, np.concatenate(triangles).astype(np.int32), np.concatenate(opaque)
+
+
+def _clear_slots(mesh: EvaluatedMesh) -> Bools:
+    """Which numbers of materials in a mesh are of clear ones, (M,)."""
+    clear = [material is not None and is_see_through(material, glass=True) for material in mesh.materials]
+    slots = max(int(mesh.material_index.max(initial=0)) + 1, len(clear))
+    return np.array([*clear, *[False] * (slots - len(clear))], dtype=bool)
