@@ -24,11 +24,11 @@ from ..scene.mesh.copy import UV_LAYER
 from ..scene.mesh.evaluated import EvaluatedMesh, evaluate
 from ..scene.mesh.joined import side_by_side
 from ..scene.mesh.mesh_parts import Parts, in_first_tile, parts_of, taken
-from ..scene.mesh.seen_faces import seen_from_outside
+from ..scene.mesh.seen_faces import seen_faces
 from ..scene.scratch import at_frame
 from ..scene.uv.artist_islands import ArtistIslands
 from ..scene.uv.unwrap import unwrap_steps
-from ..scene.uv.unwrap_options import UnwrapOptions
+from ..scene.uv.unwrap_options import AtlasUnwrap, UnwrapOptions
 from ..scene.uv.uv_layer import check_apart, user_uv, why_unfit
 from ..settings.parts import Split
 from ..settings.spec import BakeSpec, Unwrap
@@ -38,6 +38,7 @@ log = logging.getLogger(__name__)
 
 Unwraps: TypeAlias = dict[str, Arrays]  # a cache: the key is made of the meshes' digests and the settings
 
+_ROOM = 1.0  # metres: where so much is free, a camera can be
 _UNWRAP = "unwrap"  # a piece's name
 COUNTED = 1_000_000  # triangles whose islands are counted in a second or two
 _WHOLE = ""  # the name of the only part if nothing is split
@@ -122,7 +123,7 @@ def _known(known: Unwraps, key: str) -> Arrays | None:
 def unwrap_options(spec: BakeSpec, metres: float) -> UnwrapOptions:
     """The options of the specification's unwrap in a scene whose unit is so many `metres`."""
     density = None if spec.density is None else spec.density * metres
-    return UnwrapOptions(padding=spec.padding, density=density, most=spec.most_texels)
+    return UnwrapOptions(padding=spec.padding, density=density, most=spec.most_texels, room=_ROOM / metres)
 
 
 def split_surfaces(meshes: Sequence[EvaluatedMesh], spec: BakeSpec) -> dict[str, tuple[Bools, ...]]:
@@ -256,23 +257,44 @@ def _anew(
     every = np.concatenate([np.stack(faces_of_mesh) for faces_of_mesh in _by_mesh(parts)], axis=1)
     uv = np.zeros((every.shape[1], 3, 2), dtype=np.float32)  # as meshes store it
     sizes = []
-    auto = spec.unwrap is Unwrap.AUTO
-    seen = np.ones(every.shape[1], dtype=bool)
-    if auto and spec.density is None:
-        seen = yield from seen_from_outside(meshes)
+    seen = yield from _seen(meshes, spec.unwrap, options)
     for faces, some in zip(parts.values(), every, strict=True):
         those = [
-            with_twins_moved(mesh if one.all() else taken(mesh, one))
+            mesh if one.all() else taken(mesh, one)
             for mesh, one in zip(meshes, faces, strict=True)
             if one.any()
         ]
-        names = "', '".join(mesh.name for mesh in those)
-        artist = ArtistIslands.of_meshes(those, options) if auto else None
-        row = side_by_side(those, names)
-        found = yield from unwrap_steps(row, spec.texels, spec.unwrap, options, artist, seen[some])
+        found = yield from _unwrap_together(those, seen[some], spec.texels, spec.unwrap, options)
         uv[some] = found.uv
         sizes.append([found.width, found.height, found.islands, found.needed])
     return {"uv": uv, "sizes": np.array(sizes)}
+
+
+def unwrap_mesh(
+    mesh: EvaluatedMesh, texels: int, method: Unwrap, options: UnwrapOptions
+) -> Generator[Progress, None, AtlasUnwrap]:
+    """Unwrap one mesh, with its twins, as `unwrap_surfaces` does where no layer of its own fits as it is."""
+    seen = yield from _seen([mesh], method, options)
+    return (yield from _unwrap_together([mesh], seen, texels, method, options))
+
+
+def _seen(
+    meshes: Sequence[EvaluatedMesh], method: Unwrap, options: UnwrapOptions
+) -> Generator[Progress, None, Bools]:
+    """Which triangles (F,) of the meshes get all of their texels; all do where a density is asked for."""
+    if method is Unwrap.AUTO and options.density is None:
+        return (yield from seen_faces(meshes, options.room))
+    return np.ones(sum(len(mesh.triangles) for mesh in meshes), dtype=bool)
+
+
+def _unwrap_together(
+    meshes: Sequence[EvaluatedMesh], seen: Bools, texels: int, method: Unwrap, options: UnwrapOptions
+) -> Generator[Progress, None, AtlasUnwrap]:
+    """Unwrap meshes, with their twins, into one atlas."""
+    apart = [with_twins_moved(mesh) for mesh in meshes]
+    artist = ArtistIslands.of_meshes(apart, options) if method is Unwrap.AUTO else None
+    row = side_by_side(apart, "', '".join(mesh.name for mesh in meshes))
+    return (yield from unwrap_steps(row, texels, method, options, artist, seen))
 
 
 def _by_mesh(parts: dict[str, tuple[Bools, ...]]) -> Sequence[tuple[Bools, ...]]:

@@ -25,13 +25,13 @@ from ..core.messages import Setting, do
 from ..core.texel_map import covered_texels
 from ..prepare.detailed import Detailed, read_detailed
 from ..prepare.faces import all_once, find_once
-from ..scene.mesh.backs import seen_from_behind, with_twins, with_twins_moved
+from ..prepare.unwrapping import unwrap_mesh
+from ..scene.mesh.backs import seen_from_behind, with_twins
 from ..scene.mesh.copy import baked_mesh, surface_mesh
 from ..scene.mesh.evaluated import EvaluatedMesh, evaluate
 from ..scene.mesh.materials import write_material_numbers
 from ..scene.preview_file import appended
 from ..scene.scratch import new_data_removed
-from ..scene.uv.unwrap import unwrap_steps
 from ..scene.uv.unwrap_options import UnwrapOptions
 from ..scene.uv.uv_layer import user_uv
 from ..settings.rays import step_to
@@ -110,7 +110,7 @@ def _layers(
     uv = _uv_of_preview(bake, evaluated)
     if uv is not None:
         yield _Layer(uv, None, Unwrap.UVUNWRAP)
-    for unwrap in (Unwrap.UVUNWRAP, Unwrap.XATLAS, Unwrap.BLENDER):
+    for unwrap in (Unwrap.AUTO, Unwrap.UVUNWRAP, Unwrap.XATLAS, Unwrap.BLENDER):
         uv = yield from _unwrapped(evaluated, bake, unwrap, options)
         if uv is not None:
             yield _Layer(uv, None, unwrap)
@@ -142,9 +142,7 @@ def _unwrapped(
     """The UV layer that an unwrap method makes, None if it is for an atlas of another size."""
     width, height = bake.sidecar.width, bake.sidecar.height
     try:
-        made = yield from steps_of(
-            unwrap_steps(with_twins_moved(evaluated), max(width, height), unwrap, options)
-        )
+        made = yield from steps_of(unwrap_mesh(evaluated, max(width, height), unwrap, options))
     except InputError:  # too many islands for so few texels: this unwrap did not make the atlas
         return None
     return made.uv if (made.width, made.height) == (width, height) else None

@@ -12,10 +12,13 @@ import bpy
 import numpy as np
 import pytest
 
+from radtex_addon.bake.piece_store import NO_STORE
 from radtex_addon.bake.progress import finished
-from radtex_addon.core.islands import uv_islands, weld
+from radtex_addon.core.arrays import Floats, Ints
+from radtex_addon.core.islands import find_overlap, signed_areas, surface_areas, uv_islands, weld
 from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.job import bake_object
+from radtex_addon.prepare.unwrapping import Unwrapped, unwrap_surfaces
 from radtex_addon.scene.mesh.evaluated import EvaluatedMesh, evaluate
 from radtex_addon.scene.scratch import scratch_scene
 from radtex_addon.scene.uv.unwrap import unwrap_steps
@@ -139,3 +142,83 @@ def test_an_unwrap_that_is_no_longer_wanted_ends() -> None:
     next(steps)
     steps.close()
     assert not [mesh for mesh in bpy.data.meshes if "unwrap" in mesh.name]
+
+
+def ball(radius: float = 0.3) -> Any:
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=24, ring_count=12, radius=radius)
+    item = context.object
+    item.data.shade_smooth()
+    return item
+
+
+def unwrapped(*items: Any, texels: int = 128, **spec: Any) -> tuple[list[EvaluatedMesh], Unwrapped]:
+    meshes = [read(item) for item in items]
+    return meshes, finished(
+        unwrap_surfaces(meshes, BakeSpec(texels=texels, **spec), metres=1.0, store=NO_STORE, known={})
+    )
+
+
+def with_small_islands(item: Any) -> Any:
+    """The object, whose UV layer covers too little to be baked on as it is."""
+    for corner in item.data.uv_layers.active.data:
+        corner.uv *= 0.3
+    return item
+
+
+def share_of(mesh: EvaluatedMesh, uv: Floats) -> float:
+    """How much of the atlas a square unit of the surface has."""
+    surface = surface_areas(mesh.world_position[mesh.triangles]).sum()
+    return float(np.abs(signed_areas(uv.astype(np.float64))).sum() / surface)
+
+
+def islands_in(mesh: EvaluatedMesh, uv: Floats) -> Ints:
+    return uv_islands(weld(mesh.position)[mesh.triangles], uv)
+
+
+def test_objects_in_one_atlas_keep_their_own_islands() -> None:
+    meshes, made = unwrapped(ball(), ball())
+    assert made.parts[0].islands == 2  # the ball's own layer has one; a new unwrap has more
+    for mesh, uv in zip(meshes, made.uvs, strict=True):
+        assert mesh.active_uv is not None
+        own = np.abs(signed_areas(mesh.uv(mesh.active_uv).astype(np.float64)))
+        share = np.abs(signed_areas(uv.astype(np.float64))) / own
+        assert share.std() < 0.05 * share.mean()  # the same shape, but for sides on whole texels
+
+
+def test_an_island_that_lies_over_itself_is_not_kept() -> None:
+    item = ball()
+    layer = item.data.uv_layers.active
+    for corner in layer.data:
+        corner.uv.x = abs(corner.uv.x - 0.5)  # folded in the middle
+    ((mesh,), made) = unwrapped(item)
+    assert len(np.unique(islands_in(mesh, made.uvs[0]))) > 1
+    assert find_overlap(made.uvs[0]).fraction < 1e-3
+
+
+def test_islands_of_the_artist_end_where_materials_meet_and_at_sharp_edges() -> None:
+    ((mesh,), made) = unwrapped(with_small_islands(painted_ball()))
+    pairs = np.stack([islands_in(mesh, made.uvs[0]), mesh.material_index], axis=1)
+    assert len(np.unique(pairs, axis=0)) == len(np.unique(pairs[:, 0])) >= 3
+    bpy.ops.mesh.primitive_cylinder_add(vertices=16, radius=0.2, depth=0.4)
+    ((mesh,), made) = unwrapped(with_small_islands(context.object))
+    normal = mesh.normal.mean(axis=1)
+    cap = np.abs(normal[:, 2]) > 0.9
+    of_caps = np.unique(islands_in(mesh, made.uvs[0])[cap])
+    assert not np.isin(islands_in(mesh, made.uvs[0])[~cap], of_caps).any()
+
+
+@pytest.mark.parametrize(
+    ("outer", "clear", "few"), [(0.4, False, True), (0.4, True, False), (4.0, False, False)]
+)
+def test_what_no_camera_can_see_gets_few_texels(outer: float, clear: bool, few: bool) -> None:
+    """Inside an opaque ball it does; inside a clear one, or one that is as large as a room, it does not."""
+    shell = ball(outer)
+    glass = bpy.data.materials.new("shell")
+    glass.node_tree.nodes["Principled BSDF"].inputs["Alpha"].default_value = 0.3 if clear else 1.0
+    shell.data.materials.append(glass)
+    (core, other), made = unwrapped(ball(0.2), shell)
+    inner, whole = (share_of(mesh, uv) for mesh, uv in zip((core, other), made.uvs, strict=True))
+    assert (inner < 0.15 * whole) == few
+    even = unwrapped(ball(0.2), shell, density=200.0)[1]  # a density is kept everywhere
+    inner, whole = (share_of(mesh, uv) for mesh, uv in zip((core, other), even.uvs, strict=True))
+    assert inner == pytest.approx(whole, rel=0.2)

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import sys
 from typing import Any
 
 import numpy as np
@@ -23,12 +24,19 @@ _SPREAD = 3  # how often each triangle's value is averaged with its neighbours' 
 
 
 def leaving_rays(
-    position: Floats, triangles: Ints, tree: BVHTree, face: Ints, side: float, stop: bool = False
+    position: Floats,
+    triangles: Ints,
+    tree: BVHTree,
+    face: Ints,
+    side: float,
+    stop: bool = False,
+    far: float = sys.float_info.max,
 ) -> Steps[Bools]:
     """Which rays from triangles `face` (K,) leave the `tree`, (K,); yields progress in rays.
 
     The triangles (F, 3) have vertices at `position` (V, 3). Rays start anywhere in them, cosine-distributed,
-    in front for a `side` of 1, behind for -1. With `stop`, rays after the first that leave are not cast.
+    in front for a `side` of 1, behind for -1. A ray that meets nothing before it is so `far` leaves. With
+    `stop`, rays after the first that leave are not cast.
     """
     random = np.random.default_rng(0)
     root, along = np.sqrt(random.random(len(face)))[:, None], random.random(len(face))[:, None]
@@ -46,7 +54,7 @@ def leaving_rays(
         place += off * outwards
         ways = normalised(outwards + 0.999 * normalised(anywhere[some]))
         free[some] = [
-            cast(Vector(start), Vector(way))[0] is None
+            cast(Vector(start), Vector(way), far)[0] is None
             for start, way in zip(place.tolist(), ways.tolist(), strict=True)
         ]
         if stop and free[some].any():

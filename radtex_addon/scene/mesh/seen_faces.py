@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Find out which faces a camera outside of the meshes can see; the others need few texels."""
+"""Find out which faces can be seen from where a camera can be; the others need few texels."""
 
 from __future__ import annotations
 
@@ -23,15 +23,14 @@ _RAYS = 200_000  # about so many in total, in proportion to area
 _LEAST, _MOST = 4, 256  # rays per triangle; in large meshes the least is lower
 _SEEN = 0.005  # share of the rays that leave the meshes around a triangle, from which on it is seen
 _CRUMB = 0.002  # times the whole area: hidden regions that are smaller keep their texels
-_ENCLOSED = 0.9  # share of the area: where more is hidden, cameras are inside, as in a room
 
 
-def seen_from_outside(meshes: Sequence[EvaluatedMesh]) -> Steps[Bools]:
-    """Which triangles a camera outside of the meshes can see, (F,), those of all meshes one after another.
+def seen_faces(meshes: Sequence[EvaluatedMesh], room: float) -> Steps[Bools]:
+    """Which triangles a camera can see, (F,), those of all meshes one after another.
 
     Cosine-distributed rays start in front of each triangle; it is seen if some of them, or of its
-    neighbours', leave all of the meshes. Faces of clear materials hide nothing. If hardly any ray leaves, as
-    in a room, all count as seen. Yields progress.
+    neighbours', leave all of the meshes, or go on for so much `room`, in scene units, that a camera fits in
+    there, as in a room of a house. Faces of clear materials hide nothing. Yields progress.
     """
     position, triangles, opaque = _in_world(meshes)
     area = areas_on_surface(position, triangles)
@@ -41,17 +40,18 @@ def seen_from_outside(meshes: Sequence[EvaluatedMesh]) -> Steps[Bools]:
     tree = triangle_tree(position, triangles[opaque])
     so_far = np.cumsum(area)
     place = (np.arange(_FIRST) + 0.5) / _FIRST * so_far[-1]
-    free = yield from leaving_rays(position, triangles, tree, np.searchsorted(so_far, place), 1)
+    free = yield from leaving_rays(position, triangles, tree, np.searchsorted(so_far, place), 1, far=room)
     if free.mean() > _OPEN:
         return every
     rays = rays_per_triangle(area, _RAYS, _LEAST, _MOST)
     face = np.repeat(np.arange(len(rays)), rays)
-    free = yield from leaving_rays(position, triangles, tree, face, 1)
+    free = yield from leaving_rays(position, triangles, tree, face, 1, far=room)
     share = np.bincount(face, free.astype(np.float64), len(rays)) / rays
     first, second = inner_edges(weld(position)[triangles]).starts.T // 3
     hidden = spread_to_neighbours(share, first, second) < _SEEN
     hidden &= ~small_regions(hidden, first, second, area, np.full(len(area), _CRUMB * area.sum()))
-    return every if area[hidden].sum() > _ENCLOSED * area.sum() else ~hidden
+    found: Bools = ~hidden
+    return found
 
 
 def _in_world(meshes: Sequence[EvaluatedMesh]) -> tuple[Floats, Ints, Bools]:

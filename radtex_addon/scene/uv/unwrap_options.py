@@ -31,7 +31,7 @@ class UnwrapOptions:
     practice. `max_island_share` limits an island's share of the surface; smaller islands take far less
     time. Each of `iterations` (rounds of xatlas's seeding) is a try, of which the best is used. If these
     two are left empty, they depend on the number of triangles. `blender_angle` (degrees) is Smart UV
-    Project's.
+    Project's. Where so much `room`, in scene units, is free, a camera can be.
     """
 
     padding: int = 2
@@ -45,6 +45,7 @@ class UnwrapOptions:
     max_island_share: float | None = None
     iterations: tuple[int, ...] = ()
     blender_angle: float = 66.0
+    room: float = math.inf
 
     def __post_init__(self) -> None:
         if self.padding < 0:
