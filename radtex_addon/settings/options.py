@@ -185,8 +185,9 @@ SURFACE = Section(Fold.SURFACE, (
          "surface would show each other's light. Left empty, Unwrap decides"),
     _row("unwrap", flag="--unwrap", takes=Unwrap, title="Unwrap", items=UNWRAPS, called=Setting.UNWRAP,
          help="auto: bake on the object's active UV layer if it is fit (it covers half of the square, "
-         "overlaps nowhere, and its islands are --padding apart), else as uvunwrap; uvunwrap: unwrap a "
-         "copy into few, large islands; xatlas, blender: by these",
+         "overlaps nowhere, and its islands are --padding apart), else pack its islands anew where they are "
+         "clean, unwrap what is left as uvunwrap does, and give few texels to what no camera can see; "
+         "uvunwrap: unwrap a copy into few, large islands; xatlas, blender: by these",
          tooltip="How UVs are made where no map is chosen. Your mesh stays as it is"),
     _row("padding", flag="--padding", metavar="N", limits=(0, 256), title="Padding", blender={"soft_max": 16},
          preset=True,
