@@ -37,6 +37,7 @@ from ..lookup.environment import Around
 from ..samples import ExitSamples, LayeredSamples, OwnRays
 from .enclosed import enclosed
 from .exits import capture_exits
+from .gloss_maps import capture_gloss
 from .lamps import find_lamps, refuse_negative_lamps
 from .material_maps import capture_maps, depends_on_angle
 from .opacity import find_opacity
@@ -184,7 +185,12 @@ class _Captures:
         def capture() -> Arrays:
             with scene_copied(self.scratch) as copy:
                 slanted = depends_on_angle(self.clear)
-                return cast(Arrays, capture_maps(copy, plan, self.spec.seed, self.folder, slanted))
+                found = capture_maps(copy, plan, self.spec.seed, self.folder, slanted)
+            if self.known is None:
+                width = capture_gloss(self.scratch, self.bodies, plan, self.spec.seed, self.folder)
+                if width is not None:
+                    found["width"] = plan.placed(width, gutter=True)
+            return cast(Arrays, found)
 
         return dict(self.store.get_or_make(f"maps-{name}", capture))
 
