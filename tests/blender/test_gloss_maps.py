@@ -4,17 +4,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, cast
 
 import bpy
 import numpy as np
 
+from radtex_addon.bake.progress import finished
 from radtex_addon.core.arrays import Floats
 from radtex_addon.cycles.path_ends import Body
 from radtex_addon.forms.layered.capture.gloss_maps import capture_gloss, may_vary, width_of
+from radtex_addon.forms.layered.fit.fitting import fit_layered
+from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas
+from radtex_addon.scene.nodes import NodeBuilder
 from radtex_addon.scene.scratch import scratch_scene
+from radtex_addon.settings.spec import BakeSpec, Layout, Unwrap
+from tests.bench.fidelity.layered.staged import capture_staged
+from tests.bench.fidelity.scenes.materials import assign
+from tests.bench.fidelity.scenes.meshes import as_subject
+from tests.bench.fidelity.scenes.meshes import made as last_made
+from tests.bench.fidelity.scenes.stage import finish, start
 from tests.blender.stage import material, plan_of, world
+from tests.blender.surroundings import sample_sky_coarsely
 
 _STEPS = np.array([0.0, 0.05, 0.2, 0.35, 0.5, 0.7, 0.9, 1.0], dtype=np.float32)
 
@@ -81,7 +93,9 @@ def _mixed() -> bpy.types.Material:
     return made
 
 
-def _captured(materials: list[bpy.types.Material], folder: Path) -> Floats | None:
+def _captured(
+    materials: list[bpy.types.Material], folder: Path, shifts: tuple[float, ...] = (0.0,)
+) -> Floats | None:
     """What is found in the middles of the steps, on a row of quads: (materials, steps)."""
     bpy.context.scene.render.engine = "CYCLES"
     bpy.context.scene.cycles.sample_clamp_direct = 0.1  # of the user's, which may not cut what is coded
@@ -100,8 +114,9 @@ def _captured(materials: list[bpy.types.Material], folder: Path) -> Floats | Non
     along = (np.arange(len(_STEPS)) + 0.5) / len(_STEPS)
     points = np.array([(x, y + 0.5, 0.0) for y in range(count) for x in along])
     plan = plan_of(points, np.tile([0.0, 0, 1], (len(points), 1)), 1)
+    plans = [plan.moved_to(points + np.array([shift / len(_STEPS), 0, 0])) for shift in shifts]
     with scratch_scene(cast(bpy.types.Scene, bpy.context.scene)) as scratch:
-        found = capture_gloss(scratch, [Body(item, mesh.copy(), np.eye(4))], plan, 1, folder)
+        found = capture_gloss(scratch, [Body(item, mesh.copy(), np.eye(4))], plans, 1, folder)
     return None if found is None else found.reshape(count, -1)
 
 
@@ -129,3 +144,66 @@ def test_no_rays_are_spent_where_roughness_cannot_vary(tmp_path: Path) -> None:
     even = [material("Even", "ShaderNodeBsdfPrincipled"), material("Matt", "ShaderNodeBsdfDiffuse")]
     assert not any(map(may_vary, even))
     assert _captured(even, tmp_path / "absent") is None
+
+
+def test_the_points_of_a_texel_are_averaged(tmp_path: Path) -> None:
+    found = _captured([_plain("ShaderNodeBsdfPrincipled")], tmp_path, shifts=(0, 1))
+    assert found is not None
+    exact = np.log2(width_of(_STEPS))
+    np.testing.assert_allclose(found[0, :-1], (exact[:-1] + exact[1:]) / 2, atol=2e-3)
+    np.testing.assert_allclose(found[0, -1], exact[-1], atol=2e-3)  # beyond the quad there is nothing
+
+
+def _turned(name: str, low: float, high: float) -> bpy.types.Material:
+    """Metal with a normal map, of one roughness on the left side of the object and of another on its right."""
+    made = material(name, "ShaderNodeBsdfPrincipled", Metallic=1.0)
+    tree: Any = made.node_tree
+    shader = next(node for node in tree.nodes if node.type == "BSDF_PRINCIPLED")
+    build = NodeBuilder(tree)
+    place = tree.nodes.new("ShaderNodeTexCoord").outputs["Object"]
+    right = build.math("GREATER_THAN", build.separate(place)[0], 0.0)
+    build.feed(shader.inputs["Roughness"], build.math("MULTIPLY_ADD", right, high - low, low))
+    texture, mapped = tree.nodes.new("ShaderNodeTexImage"), tree.nodes.new("ShaderNodeNormalMap")
+    texture.image = bpy.data.images.new("Normals", 32, 32, float_buffer=True, is_data=True)
+    turned = np.ones((32, 32, 4), dtype=np.float32)
+    turned[..., :2] += 0.3 * np.sin(np.arange(32) * np.pi / 8)[:, None]
+    turned[..., :2] /= 2
+    texture.image.pixels.foreach_set(turned.ravel())
+    tree.links.new(texture.outputs[0], mapped.inputs["Color"])
+    tree.links.new(mapped.outputs[0], shader.inputs["Normal"])
+    return made
+
+
+def _ball(materials: Sequence[Callable[[], bpy.types.Material]], folder: Path) -> LayeredAtlas:
+    """A bake of a ball whose left side has the first material, and its right side the last one."""
+    start("sunset.exr", strength=0.6, turn=30)
+    sample_sky_coarsely()
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=32, ring_count=16)
+    ball = as_subject(last_made())
+    bpy.ops.object.shade_smooth()
+    for one in [make() for make in materials]:
+        assign(ball, one)
+    faces = cast(bpy.types.Mesh, ball.data).polygons
+    right = [(len(materials) - 1) * (face.center.x > 0) for face in faces]
+    faces.foreach_set("material_index", right)
+    spec = BakeSpec(layout=Layout.LAYERED, texels=32, samples=4, unwrap=Unwrap.BLENDER)
+    return finished(fit_layered(capture_staged(finish("ball", ball), spec, folder).captured.capture))
+
+
+def _spread(atlas: LayeredAtlas, number: int) -> float:
+    """log2 of a material's width² at N.V = 0.8, by the light of its lobes."""
+    weight, variance, _ = atlas.materials[number].at(np.array([0.8]))
+    share = weight[:, 1, 0] / weight[:, 1, 0].sum()
+    return float((share * np.log2(variance[:, 0])).sum())
+
+
+def test_a_ball_of_two_roughnesses_and_a_normal_map_has_the_lobes_of_two_materials(tmp_path: Path) -> None:
+    one = _ball([lambda: _turned("Both", 0.1, 0.5)], tmp_path)
+    two = _ball([lambda: _turned("Left", 0.1, 0.1), lambda: _turned("Right", 0.5, 0.5)], tmp_path)
+    assert one.normal is not None
+    assert one.width is not None
+    assert two.width is None
+    assert one.width.shape == (*one.colour.shape[:2], 1)
+    left, right = np.quantile(one.width, [0.1, 0.9])
+    for offset, number in ((left, 0), (right, 1)):
+        assert abs(_spread(one, 0) + offset - _spread(two, number)) < 0.1  # octaves of width²: 4 % of width

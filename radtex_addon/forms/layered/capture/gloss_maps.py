@@ -8,7 +8,8 @@ and all others are black. So mixes, sums and groups of shaders blend widths as t
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import product
 from pathlib import Path
 from typing import Any, cast
 
@@ -16,12 +17,15 @@ import bpy
 import numpy as np
 
 from ....bake.plan import CapturePlan
-from ....core.arrays import Floats
+from ....core.arrays import Floats, Ints
+from ....core.moved_points import moved_points
+from ....core.surface import SurfaceMesh
 from ....cycles.capture_settings import first_hit_only
 from ....cycles.path_ends import Body, path_ends
 from ....cycles.portal import Aim, PortalCapture
 from ....cycles.sampling import straight_shifts, tiles_of
 from ....scene.nodes import NodeBuilder, Operand, Socket
+from ....scene.scratch import scene_copied
 from ....settings.spec import Kind
 from .own_rays import dark_world
 
@@ -32,6 +36,7 @@ _MIRRORS = frozenset({"BSDF_PRINCIPLED", "BSDF_GLOSSY", "BSDF_METALLIC", "BSDF_G
 _UNKNOWN = frozenset(  # they mirror, or may do so, by no roughness of GGX's
     {"SCRIPT", "BSDF_TOON", "BSDF_HAIR", "BSDF_HAIR_PRINCIPLED", "EEVEE_SPECULAR", "BSDF_RAY_PORTAL"}
 )
+_WITHIN = 0.25  # of a texel, from its middle: four points tell its mean
 _DIELECTRIC = 0.04  # of a Principled shader's light, what it mirrors where it is no metal
 
 
@@ -58,14 +63,21 @@ def may_vary(material: bpy.types.Material) -> bool:
     return varied and is_known(material)
 
 
+def within_texels(surface: SurfaceMesh, triangle: Ints, plan: CapturePlan) -> Iterator[CapturePlan]:
+    """Plans of four points within each of a plan's texels, which lie on triangles (K,) of the surface."""
+    for x, y in product((-_WITHIN, _WITHIN), repeat=2):
+        step = x / plan.layout.width, y / plan.layout.height
+        yield plan.moved_to(moved_points(surface, triangle, plan.points, step))
+
+
 def capture_gloss(
-    scene: bpy.types.Scene, bodies: Sequence[Body], plan: CapturePlan, seed: int, folder: Path
+    scene: bpy.types.Scene, bodies: Sequence[Body], plans: Iterable[CapturePlan], seed: int, folder: Path
 ) -> Floats | None:
-    """log2 of the width² of what the bodies mirror, at a plan of one cell: (K, 1).
+    """log2 of the width² of what the bodies mirror, (K, 1), at plans of one cell for the same texels.
 
     NaN where it is not known or nothing is mirrored; None if no roughness may vary. Of shaders that are
-    mixed it is the mean by their light, of the logarithm, which is the likeliest single lobe. Raises
-    BakeError where Cycles fails.
+    mixed, and of the plans' points, it is the mean by their light, of the logarithm: the likeliest single
+    lobe. Raises BakeError where Cycles fails.
     """
     used = {material for body in bodies for material in body.mesh.materials if material is not None}
     if not any(map(may_vary, used)):
@@ -77,18 +89,25 @@ def capture_gloss(
                 if material is not None:
                     cast(Any, copy.data).materials[index] = shown[material]
         ends.scene.world = dark_world()
-        aim = Aim(straight_shifts(len(plan.texel)))
-        capture = PortalCapture(ends.scene, plan, Kind.RADIANCE, 1, seed, folder, aim)
         first_hit_only(ends.scene)
         cycles = cast(Any, ends.scene).cycles
         cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0.0
         with ends.named_alike():
-            seen = [capture.render_passes(tile).raw_whole[..., :2].reshape(-1, 2) for tile in tiles_of(plan)]
-    coded, light = np.concatenate(seen).T
+            total = np.sum([_seen(ends.scene, plan, seed, folder) for plan in plans], axis=0)
+    coded, light = total.T
+    width = np.full((len(light), 1), np.nan, dtype=np.float32)
     known = light > 0
-    width = np.full(len(plan.texel), np.nan, dtype=np.float32)
-    width[known] = (np.clip(coded[known] / light[known], 0, 1) - 1) * OCTAVES
-    return width[:, None]
+    width[known, 0] = (np.clip(coded[known] / light[known], 0, 1) - 1) * OCTAVES
+    return width
+
+
+def _seen(scene: bpy.types.Scene, plan: CapturePlan, seed: int, folder: Path) -> Floats:
+    """The coded widths times light, and light, that a plan's rays see: (K, 2)."""
+    with scene_copied(scene) as copy:
+        aim = Aim(straight_shifts(len(plan.texel)))
+        capture = PortalCapture(copy, plan, Kind.RADIANCE, 1, seed, folder, aim)
+        parts = [capture.render_passes(tile).raw_whole[..., :2].reshape(-1, 2) for tile in tiles_of(plan)]
+    return np.concatenate(parts)
 
 
 def _shaders(tree: Any, seen: set[Any]) -> Iterator[Any]:

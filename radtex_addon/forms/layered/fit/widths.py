@@ -52,12 +52,12 @@ class Lobes:
         coarse: Floats = plan.placed(np.log2(self.width)[:, None], gutter=True)
         if not self.evaluated.any():
             return coarse
-        height, width = fine["width"].shape[:2]
         number = fine["material"][..., 0].astype(np.intp)
-        column, row = np.meshgrid((np.arange(width) + 0.5) / width, (np.arange(height) + 0.5) / height)
-        around = bilinear(coarse, np.stack([column, row], axis=-1).reshape(-1, 2)).reshape(height, width)
-        found = _relative(fine["width"][..., 0], self.usual[number])
-        image: Floats = np.where(self.evaluated[number], found, around).astype(np.float32)
+        image = _relative(fine["width"][..., 0], self.usual[number])
+        row, column = np.nonzero(~self.evaluated[number])
+        if len(row):
+            middle = (np.stack([column, row], axis=1) + 0.5) / image.shape[::-1]
+            image[row, column] = bilinear(coarse, middle)[:, 0]
         return image[..., None]
 
 
