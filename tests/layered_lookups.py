@@ -116,7 +116,7 @@ def parted(atlas: LayeredAtlas) -> LayeredAtlas:
 def everything(atlas: LayeredAtlas) -> LayeredAtlas:
     """With every optional map, more lamps, and light that comes through."""
     rng = np.random.default_rng(7)
-    fine, texels, coarse = len(atlas.colour), len(atlas.irradiance), len(atlas.own)
+    fine, coarse = len(atlas.colour), len(atlas.own)
     alpha = 0.2 + 0.8 * _image(rng, fine, 1)
     along = (np.arange(coarse) + 0.5) / coarse
     uv = np.stack(np.meshgrid(along, along), axis=-1).reshape(-1, 2)
@@ -129,7 +129,7 @@ def everything(atlas: LayeredAtlas) -> LayeredAtlas:
         colour=atlas.colour * alpha,
         tint=_image(rng, fine, 3) * alpha,
         normal=normalised(_image(rng, fine, 3) - 0.5).astype(np.float32),
-        width=_image(rng, texels, 1) * 4 - 2,
+        width=_image(rng, fine, 1) * 4 - 2,
         alpha=alpha,
         around=replace(atlas.around, lamps=(*atlas.around.lamps, *lamps)),
         through=Through(_ways(rng, uv), 0.5 + _image(rng, coarse, 3), rest),

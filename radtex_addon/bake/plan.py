@@ -12,7 +12,7 @@ may follow memory and render time.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -128,6 +128,12 @@ class CapturePlan:
     @cached_property
     def _nearest(self) -> Nearest:
         return nearest_covered(self.covered)
+
+    def moved_to(self, points: Floats) -> CapturePlan:
+        """The same with rays that start at other points (K, 3)."""
+        flat = np.repeat(points[-1:].astype(np.float32), self.rows * self.columns, axis=0)
+        flat[: len(points)] = points
+        return replace(self, position=flat.reshape(self.position.shape))
 
     def placed(self, values: npt.NDArray[Any], gutter: bool = False) -> npt.NDArray[Any]:
         """Put the texels' values (K, ...) at their places in the atlas: (H, W, ...) of the same dtype.

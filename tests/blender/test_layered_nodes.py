@@ -45,7 +45,7 @@ def _values(*shape: int) -> Floats:
 def with_maps(atlas: LayeredAtlas) -> LayeredAtlas:
     fine = atlas.colour.shape[:2]
     normal = normalised(_values(*fine, 3) - np.array([0.6, 0.6, 0], np.float32)).astype(np.float32)
-    width = 4 * _values(*atlas.irradiance.shape[:2], 1) - 2
+    width = 4 * _values(*fine, 1) - 2
     return replace(atlas, tint=_values(*fine, 3), normal=normal, width=width, alpha=_values(*fine, 1))
 
 

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from radtex_addon.core.arrays import Floats, Ints
 from radtex_addon.core.errors import ShapeError
+from radtex_addon.core.moved_points import moved_points
 from radtex_addon.core.surface import SurfaceMesh
 from radtex_addon.core.texel_map import TexelMap, rasterise
 
@@ -296,3 +297,28 @@ def test_arrays_that_do_not_fit_are_refused() -> None:
         rasterise(replace(surface, triangles=wrong), 4, 4)
     with pytest.raises(ShapeError, match="0 x 4"):
         rasterise(surface, 0, 4)
+
+
+def test_points_move_by_a_step_in_uv_but_stay_in_their_triangles() -> None:
+    uv = grid(5, 5)
+    turn = np.array([[0, 0, 1.0], [2, 0, 0]])  # u upwards, v along x and twice as long
+    surface = surface_of(uv, position=uv @ turn)
+    texels = rasterise(surface, 32, 32)
+    triangle, point = texels.triangle.ravel(), texels.position.reshape(-1, 3).astype(np.float64)
+    step = (0.3 / 32, -0.2 / 32)
+    moved = moved_points(surface, triangle, point, step)
+    middle = np.stack(np.meshgrid(*[(np.arange(32) + 0.5) / 32] * 2), axis=-1).reshape(-1, 2)
+    corners = uv[triangle]
+    aim = middle + step
+    sides = np.roll(corners, -1, axis=1) - corners
+    away = aim[:, None] - corners
+    inside = (sides[..., 0] * away[..., 1] - sides[..., 1] * away[..., 0] > 0).all(axis=1)
+    assert 0.7 < inside.mean() < 1
+    np.testing.assert_allclose(moved[inside], (aim @ turn)[inside], atol=1e-5)
+    back = np.stack([moved[:, 2], moved[:, 0] / 2], axis=1)
+    around = back[:, None] - corners
+    area = sides[..., 0] * around[..., 1] - sides[..., 1] * around[..., 0]
+    assert area.min() > -1e-6
+    flat = surface_of(np.zeros((1, 3, 2)))
+    kept = moved_points(flat, np.zeros(3, np.int32), np.ones((3, 3)), step)
+    np.testing.assert_array_equal(kept, 1)

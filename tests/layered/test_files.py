@@ -60,6 +60,22 @@ def test_what_a_bake_lacks_has_no_file(atlas: LayeredAtlas, tmp_path: Path) -> N
     assert found.through is None
 
 
+def test_a_map_of_widths_may_be_as_coarse_as_the_irradiance_as_earlier_ones_are(
+    atlas: LayeredAtlas, tmp_path: Path
+) -> None:
+    path = tmp_path / "Vase.radiance.json"
+    wide = np.linspace(-4, 4, 16 * 16, dtype=np.float32).reshape(16, 16, 1)
+    coarse, fine = (replace(atlas, width=wide.repeat(each, axis=0).repeat(each, axis=1)) for each in (1, 4))
+    assert write_layered(path, fine, _BAKE).shapes["width"] == (64, 64, 1)
+    assert write_layered(path, coarse, _BAKE).shapes["width"] == (16, 16, 1)
+    facts = json.loads(path.read_text(encoding="utf-8"))
+    assert facts["layered"].pop("width") == [16, 16]
+    path.write_text(json.dumps(facts), encoding="utf-8")
+    found, _ = read_layered(path)
+    assert found.width is not None
+    np.testing.assert_allclose(found.width, wide, atol=2e-3)
+
+
 def test_lossy_compression_spares_what_is_no_light(atlas: LayeredAtlas, tmp_path: Path) -> None:
     path = tmp_path / "Vase.radiance.json"
     write_layered(path, atlas, _BAKE, compression=Compression.DWAA)

@@ -15,9 +15,9 @@ from radtex_addon.cycles.portal import Aim
 from radtex_addon.forms.layered.capture.panoramas import panorama_directions
 from radtex_addon.forms.layered.fit.bucket_grid import BucketGrid
 from radtex_addon.forms.layered.fit.buckets import free_share
-from radtex_addon.forms.layered.fit.fitting import fit_lobes
 from radtex_addon.forms.layered.fit.lobes import Paths, fit_materials
 from radtex_addon.forms.layered.fit.residual import fit_rest, mean_brightness
+from radtex_addon.forms.layered.fit.widths import fit_lobes
 from radtex_addon.forms.layered.lookup.environment import (
     Around,
     Impostor,
@@ -188,12 +188,14 @@ def test_widths_that_vary_are_found_texel_by_texel() -> None:
     end = spread_by_lobe(rng, axis, normal, wide[texel] ** 2)
     cosine, one = axis[:, 2], np.ones((len(axis), 3))
     paths = Paths(texel, one, end, axis, normal, cosine, np.zeros(len(axis), dtype=np.int32))
-    (material,), found = fit_lobes(paths, 1, Neighbours(rays.plan))
+    neighbours, number = Neighbours(rays.plan), np.zeros(texels, dtype=np.int32)
+    lobes = fit_lobes(paths, number, neighbours)
+    (material,), found = lobes.materials, lobes.width
     weight, variance, _ = material.at(np.array([0.8]))
     middle = np.exp((weight[:, 0] * np.log(variance)).sum())
     inner = np.abs(np.arange(texels) % SIDE - SIDE / 2 + 0.5) > 3
     np.testing.assert_allclose(np.sqrt(middle * found[inner]), wide[inner], rtol=0.2)
-    assert (fit_lobes(paths, 1, Neighbours(rays.plan), vary=False)[1] == 1).all()
+    assert (fit_lobes(paths, number, neighbours, vary=False).width == 1).all()
 
 
 def test_the_mask_of_a_wall_has_its_edge_and_keeps_its_ends() -> None:

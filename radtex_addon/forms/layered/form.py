@@ -161,8 +161,8 @@ def _most_shapes(texels: int) -> Shapes:
     """Width, height and channels of all images that a bake of a square atlas can have."""
     side = max(1, round(texels / coarser(texels)))
     fine, coarse = (round(finer(texels) * texels),) * 2, padded_size((side, side))
-    sizes = dict.fromkeys((COLOUR, TINT, NORMAL, ALPHA), fine)
-    sizes |= dict.fromkeys((IRRADIANCE, WIDTH), (texels, texels))
+    sizes = dict.fromkeys((COLOUR, TINT, NORMAL, WIDTH, ALPHA), fine)
+    sizes[IRRADIANCE] = (texels, texels)
     sizes |= dict.fromkeys(PICTURES, packed_size(PICTURE_SIZE, level_count(PICTURE_SIZE)))
     sizes |= {DISTANCES: (DISTANCE_CELLS,) * 2, THROUGH_COLOUR: (side, side)}
     tiles = {OWN: CELLS[0][0], REST: CELLS[0][1], THROUGH_REST: THROUGH_CELLS}

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import logging
 import math
-from collections.abc import Generator, Mapping
+from collections.abc import Generator, Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, cast
@@ -37,6 +37,7 @@ from ..lookup.environment import Around
 from ..samples import ExitSamples, LayeredSamples, OwnRays
 from .enclosed import enclosed
 from .exits import capture_exits
+from .gloss_maps import capture_gloss, within_texels
 from .lamps import find_lamps, refuse_negative_lamps
 from .material_maps import capture_maps, depends_on_angle
 from .opacity import find_opacity
@@ -133,7 +134,8 @@ class _Captures:
         total = count * (rays.light**2 + 2 * of_ends**2 + 1) + len(fine.texel)
         yield Progress(Stage.CAPTURE, 0, total)
         faces = prepared.surface.material_numbers
-        fine_maps, coarse_maps = self._maps("fine", fine), self._maps("coarse", plan(1))
+        fine_maps = self._maps("fine", fine, self._within(fine, triangle))
+        coarse_maps = self._maps("coarse", plan(1))
         fine_maps["material"] = fine.placed(faces[triangle][:, None].astype(np.float32), gutter=True)
         del fine, triangle  # they are as large as what is captured
         lone = None if self.known is not None else self._ends(plan(rays.ends), middle)
@@ -180,11 +182,27 @@ class _Captures:
         with scene_copied(self.scratch) as copy, path_ends(copy, self.bodies, (), middle) as ends:
             return _lean(capture_ends(ends, plan, self.spec.seed, self.folder, self.store))
 
-    def _maps(self, name: str, plan: CapturePlan) -> dict[str, Floats]:
+    def _within(self, plan: CapturePlan, triangle: Ints) -> Iterable[CapturePlan]:
+        """Plans of points within a plan's texels; of a detailed object its own: its surface is another."""
+        if self.prepared.source is not None:
+            return [plan]
+        return within_texels(self.prepared.surface, triangle, plan)
+
+    def _maps(
+        self, name: str, plan: CapturePlan, within: Iterable[CapturePlan] | None = None
+    ) -> dict[str, Floats]:
+        """Maps of the material at a plan's points; roughness is the mean of those `within` its texels."""
+
         def capture() -> Arrays:
             with scene_copied(self.scratch) as copy:
                 slanted = depends_on_angle(self.clear)
-                return cast(Arrays, capture_maps(copy, plan, self.spec.seed, self.folder, slanted))
+                found = capture_maps(copy, plan, self.spec.seed, self.folder, slanted)
+            if self.known is None:
+                plans = [plan] if within is None else within
+                width = capture_gloss(self.scratch, self.bodies, plans, self.spec.seed, self.folder)
+                if width is not None:
+                    found["width"] = plan.placed(width, gutter=True)
+            return cast(Arrays, found)
 
         return dict(self.store.get_or_make(f"maps-{name}", capture))
 

@@ -52,7 +52,10 @@ class Opacity:
         plan = capture.light.plan
         alpha = self.coarse[np.searchsorted(self.texel, plan.texel)][:, None]
         image = plan.placed(alpha, gutter=True)
-        coarse = {name: kept if name == "normal" else kept / image for name, kept in capture.coarse.items()}
+        coarse = {
+            name: kept / image if name in ("diffuse", "glossy") else kept
+            for name, kept in capture.coarse.items()
+        }
         exits = capture.exits
         if exits is not None:
             exits = replace(exits, weight=exits.weight / bilinear(image, texel_middles(exits.plan)))

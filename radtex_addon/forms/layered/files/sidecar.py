@@ -70,14 +70,15 @@ class LayeredSidecar:
     """Facts about one bake in the layered layout.
 
     `bake` holds the facts of every layout: `width` x `height` texels of the irradiance, and as `bucket` the
-    most cells that buckets can have. `colour` is the size of the maps of the material; `coarse` tells how
-    many texels have buckets, of `own_cells` x `own_cells` and `rest_cells` x `rest_cells` cells. `distances`
-    are the cells along the side of that map and `nearness` its mean, 0 without. Falloffs (STEPS, 3) are by
-    material, as are the lobes.
+    most cells that buckets can have. `colour` is the size of the maps of the material, `width` that of the
+    lobes' widths, which may be as coarse as the irradiance; `coarse` tells how many texels have buckets, of
+    `own_cells` x `own_cells` and `rest_cells` x `rest_cells` cells. `distances` are the cells along the side
+    of that map and `nearness` its mean, 0 without. Falloffs (STEPS, 3) are by material, as are the lobes.
     """
 
     bake: Sidecar
     colour: tuple[int, int]
+    width: tuple[int, int]
     coarse: tuple[int, int]
     own_cells: int
     rest_cells: int
@@ -112,10 +113,11 @@ class LayeredSidecar:
             name: _picture(layer.pictures) for name, layer in ((PLANE, plane), (THINGS, things)) if layer
         }
         shape = plane.shape if plane is not None else None
-        through = atlas.through
+        through, wide = atlas.through, atlas.width
         sidecar = cls(
             bake=bake,
             colour=(atlas.colour.shape[1], atlas.colour.shape[0]),
+            width=(bake.width, bake.height) if wide is None else (wide.shape[1], wide.shape[0]),
             coarse=(atlas.own.shape[1], atlas.own.shape[0]),
             own_cells=atlas.own.shape[2],
             rest_cells=atlas.rest.shape[2],
@@ -143,7 +145,7 @@ class LayeredSidecar:
         """Each layer's width, height and channels."""
         bake = self.bake
         sizes = dict.fromkeys((COLOUR, TINT, NORMAL, ALPHA), self.colour)
-        sizes |= dict.fromkeys((IRRADIANCE, WIDTH), (bake.width, bake.height))
+        sizes |= {IRRADIANCE: (bake.width, bake.height), WIDTH: self.width}
         sizes |= {OWN: self._tiles(self.own_cells), REST: self._tiles(self.rest_cells)}
         sizes |= {name: packed_size(found.size, found.levels) for name, found in self.pictures.items()}
         sizes[DISTANCES] = (self.distances, self.distances)
@@ -161,6 +163,7 @@ class LayeredSidecar:
                 bake, width=bake.width * texels, height=bake.height * texels, bucket=bake.bucket * cells
             ),
             colour=(self.colour[0] * texels, self.colour[1] * texels),
+            width=(self.width[0] * texels, self.width[1] * texels),
             coarse=(self.coarse[0] * texels, self.coarse[1] * texels),
             own_cells=self.own_cells * cells,
             rest_cells=self.rest_cells * cells,
@@ -170,6 +173,7 @@ class LayeredSidecar:
         """The sidecar's JSON, in ASCII and with a newline at its end."""
         layered: dict[str, Any] = {
             "colour": list(self.colour),
+            **({"width": list(self.width)} if WIDTH in self.bake.layers else {}),
             "coarse": list(self.coarse),
             "own_cells": self.own_cells,
             "rest_cells": self.rest_cells,
@@ -232,6 +236,7 @@ class LayeredSidecar:
         sidecar = cls(
             bake=bake,
             colour=layered.size("colour"),
+            width=layered.size("width") if "width" in layered.values else (bake.width, bake.height),
             coarse=layered.size("coarse"),
             own_cells=layered.whole_number("own_cells", 2, 256),
             rest_cells=layered.whole_number("rest_cells", 2, 256),

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Fitting the layered layout to its captures; a texel's lobes may be wider than their material's."""
+"""Fitting the layered layout to its captures."""
 
 from __future__ import annotations
 
@@ -16,69 +16,28 @@ from ....bake.plan import CapturePlan
 from ....bake.pooling import Neighbours
 from ....bake.progress import Progress, Stage
 from ....core.arrays import Bools, Floats
-from ....core.colour_spaces import LUMINANCE
 from ....core.octahedron import cell_directions
 from ....settings.rays import coarser
 from ..cells import CELLS
 from ..lookup.atlas import LayeredAtlas
 from ..lookup.environment import Around
-from ..lookup.lobes import STEPS, Material
+from ..lookup.lobes import Material
 from ..lookup.ways import Through
 from ..samples import LayeredSamples
 from .bucket_grid import BucketGrid
 from .buckets import ALL_PARTS, Parts, fit_buckets, free_share
 from .diffuse import facing_of, fit_falloffs, fit_irradiance
 from .known import Known
-from .lobes import END, SHARPEST, Paths, angles, fit_materials
+from .lobes import Paths
 from .own_light import Surface
 from .texel_maps import shading_normals, tints
 from .through import fit_through_rest, fit_ways
 from .turned import mirrored_about, octahedral
 from .view_dependence import view_dependence
+from .widths import Lobes, fit_lobes
 
-_VARIES = 0.15  # standard deviation of the widths' logarithm, from which they are kept
-_WIDE = 0.02  # how much the wider neighbourhood counts for
-_LEAST, _MOST = 1 / 256, 256.0  # of width²
-_AT_ONCE = 1 << 18
 _STEPS = 5  # of progress
 _FREE = 0.98  # of a direction, above which a path is taken to leave the object straight away
-
-
-def fit_lobes(
-    paths: Paths, count: int, neighbours: Neighbours, vary: bool = True
-) -> tuple[tuple[Material, ...], Floats]:
-    """The lobes of so many materials, and what their width² is multiplied by in each texel: (K,) float32.
-
-    All 1 where widths hardly differ, or if they may not `vary`.
-    """
-    width = fit_widths(paths, neighbours)
-    if not vary or np.log(width).std() / 2 < _VARIES:
-        return fit_materials(paths, count), np.ones_like(width)
-    return fit_materials(replace(paths, width=width[paths.texel]), count), width
-
-
-def fit_widths(paths: Paths, neighbours: Neighbours) -> Floats:
-    """By how much the texels' paths are further from their axes than those of their material, squared: (K,).
-
-    Means of logarithms, which the few paths in a lobe's tails hardly change; float32.
-    """
-    texels = len(neighbours.plan.texel)
-    kind = paths.material.astype(np.intp) * STEPS
-    kind += np.clip((paths.cosine * STEPS).astype(np.intp), 0, STEPS - 1)
-    bright = (paths.weight @ LUMINANCE).astype(np.float64)
-    bright[np.linalg.norm(paths.end, axis=1) < END] = 0
-    far = np.empty(len(bright))
-    for first in range(0, len(bright), _AT_ONCE):
-        some = slice(first, first + _AT_ONCE)
-        length = np.maximum(np.linalg.norm(paths.end[some], axis=1), END)
-        up, across = angles(paths.end[some] / length[:, None], paths.axis[some], paths.normal[some])
-        far[some] = np.log(np.maximum(up**2 + across**2, SHARPEST**2))
-    usual = np.bincount(kind, bright * far) / np.maximum(np.bincount(kind, bright), 1e-12)
-    sums = [np.bincount(paths.texel, values, texels) for values in (bright * (far - usual[kind]), bright)]
-    table = np.stack(sums)[..., None].astype(np.float32)
-    pooled = neighbours.pool(table) + np.float32(_WIDE) * neighbours.pool(table, True)
-    width = np.exp(pooled[0, :, 0] / np.maximum(pooled[1, :, 0], 1e-12))
-    return np.clip(width, _LEAST, _MOST).astype(np.float32)
 
 
 def fit_layered(
@@ -105,16 +64,27 @@ def fit_layered(
     if capture.alone is not None:
         paths = _open_paths(capture, capture.alone, normal, free, grid)
         vary = parts.widths and normal_map is None  # normals that vary in a texel would count as roughness
-        materials, width = fit_lobes(paths, int(capture.material.max()) + 1, neighbours, vary)
+        lobes = fit_lobes(paths, capture.material, neighbours, vary, _evaluated(capture, parts))
+        width_map = lobes.image(plan, capture.fine)
         del paths
     else:
-        materials, width = _known_lobes(known, plan)
+        lobes, width_map = _known_lobes(known, plan)
     del neighbours
+    materials = lobes.materials
     if not parts.second_lobe:
         materials = tuple(map(_single, materials))
     surface = Surface(
-        grid, normal, irradiance * colour, falloff, tint, width, capture.material, materials, around, free
-    )
+        grid,
+        normal,
+        irradiance * colour,
+        falloff,
+        tint,
+        lobes.width,
+        capture.material,
+        materials,
+        around,
+        free,
+    )  # fmt: skip
     yield Progress(Stage.FIT, 3, _STEPS)
     found = fit_buckets(surface, own, light, used, parts, known)
     rest = found.rest
@@ -131,7 +101,7 @@ def fit_layered(
         falloff=falloff,
         tint=tint_map,
         normal=normal_map,
-        width=plan.placed(np.log2(width)[:, None], gutter=True) if np.ptp(width) > 0 else None,
+        width=width_map,
         around=around,
         materials=materials,
         own=grid.placed(found.own, found.free),
@@ -160,10 +130,19 @@ def _diffuse(
     return falloff, fit_irradiance(light, facing, falloff, material, colour, neighbours, share)
 
 
-def _known_lobes(known: Known | None, plan: CapturePlan) -> tuple[tuple[Material, ...], Floats]:
+def _evaluated(capture: LayeredSamples, parts: Parts) -> Floats | None:
+    """As for `fit_lobes`."""
+    found = capture.coarse.get("width")
+    return None if found is None or not parts.widths else found.reshape(-1)[capture.light.plan.texel]
+
+
+def _known_lobes(known: Known | None, plan: CapturePlan) -> tuple[Lobes, Floats | None]:
+    """The lobes of a bake that is there, and its map of widths."""
     if known is None:
         raise ValueError("neither paths through the object alone nor the lobes of a bake are there")
-    return known.atlas.materials, known.widths(plan)
+    materials = known.atlas.materials
+    none = np.zeros(len(materials), dtype=bool)
+    return Lobes(materials, known.widths(plan), none, none.astype(np.float32)), known.atlas.width
 
 
 def _through(

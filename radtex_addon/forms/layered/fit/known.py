@@ -10,7 +10,9 @@ import numpy as np
 
 from ....bake.plan import CapturePlan
 from ....core.arrays import Floats
+from ....core.sampler import bilinear
 from ..lookup.atlas import LayeredAtlas
+from .texel_maps import texel_middles
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,5 +31,5 @@ class Known:
         """What lobes' width² is multiplied by in each of the plan's texels, (K,) float32."""
         if self.atlas.width is None:
             return np.ones(len(plan.texel), dtype=np.float32)
-        width: Floats = 2.0 ** self.atlas.width.reshape(-1)[plan.texel].astype(np.float32)
+        width: Floats = 2.0 ** bilinear(self.atlas.width, texel_middles(plan))[:, 0].astype(np.float32)
         return width

@@ -11,6 +11,7 @@ t distribution", 1989). What is called variance is a lobe's width² (see `lobe`)
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -45,6 +46,13 @@ class Paths:
     cosine: Floats
     material: Ints
     width: Floats | None = None
+
+    def some(self, which: Ints) -> Paths:
+        """Those paths, by their numbers."""
+        found: dict[str, Any] = {
+            name: None if one is None else one[which] for name, one in vars(self).items()
+        }
+        return Paths(**found)
 
 
 def fit_materials(paths: Paths, count: int) -> tuple[Material, ...]:
@@ -102,6 +110,23 @@ def _two_lobes(paths: Paths, near: Ints) -> tuple[Floats, Floats, float]:
             bend = float((pull * up).sum() / max(pull.sum(), 1e-30))
     order = np.argsort(variance)
     return share[order], variance[order], bend
+
+
+def likelihood(material: Material, paths: Paths) -> float:
+    """The mean logarithm of how likely a material's lobes are to send paths where they go, by their light."""
+    bright, length = paths.weight @ LUMINANCE, np.linalg.norm(paths.end, axis=1)
+    told = np.flatnonzero((bright > 1e-6) & (length > END))
+    if not len(told):
+        return 0.0
+    some, bright = paths.some(told), bright[told]
+    up, across = angles(some.end / length[told, None], some.axis, some.normal)
+    weight, variance, bend = material.at(some.cosine)
+    share = np.tensordot(LUMINANCE, weight, (0, 1))
+    share /= np.maximum(share.sum(axis=0), 1e-30)
+    if some.width is not None:
+        variance = variance * some.width
+    found = (share * lobe((up - bend) ** 2 + across**2, np.maximum(variance, SHARPEST**2))).sum(axis=0)
+    return float((bright * np.log(np.maximum(found, 1e-30))).sum() / bright.sum())
 
 
 def angles(end: Floats, axis: Floats, normal: Floats) -> tuple[Floats, Floats]:

@@ -57,6 +57,7 @@ def constants_of(sidecar: LayeredSidecar) -> str:
     lines.append(f"#define RADTEX_MATERIALS {len(materials)}")
     sizes = {
         "FINE": sidecar.colour,
+        "WIDTHS": sidecar.width,
         "TEXELS": (sidecar.bake.width, sidecar.bake.height),
         "COARSE": sidecar.coarse,
     }

@@ -1,0 +1,138 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The lobes of materials, and how much wider or narrower they are in each texel.
+
+Where roughness was evaluated, widths follow from it; it is taken if it makes paths that were not fitted to
+likelier. Elsewhere they are fitted to the texels' paths, unless normals vary, which would count as roughness.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ....bake.plan import CapturePlan
+from ....bake.pooling import Neighbours
+from ....core.arrays import Bools, Floats, Ints
+from ....core.colour_spaces import LUMINANCE
+from ....core.sampler import bilinear
+from ..lookup.lobes import STEPS, Material
+from .lobes import END, SHARPEST, Paths, angles, fit_materials, likelihood
+
+_VARIES = 0.15  # standard deviation of the widths' logarithm, from which they are kept
+_WIDE = 0.02  # how much the wider neighbourhood counts for
+_LEAST, _MOST = 1 / 256, 256.0  # of width², fitted
+_OCTAVES = 16.0  # of width², evaluated: the most above and below what is usual
+_GAIN = 0.01  # of the mean log-likelihood, from which evaluated widths are taken
+_AT_ONCE = 1 << 18
+
+
+@dataclass(frozen=True, eq=False)
+class Lobes:
+    """Lobes of M `materials`, and by what their width² is multiplied in each texel: `width` (K,) float32.
+
+    `evaluated` (M,): of which materials that follows from their roughness; `usual` (M,): log2 of the width²
+    for which it is 1 there.
+    """
+
+    materials: tuple[Material, ...]
+    width: Floats
+    evaluated: Bools
+    usual: Floats
+
+    def image(self, plan: CapturePlan, fine: Mapping[str, Floats]) -> Floats | None:
+        """log2 of `width` as a map, gutter filled; None where it does not vary.
+
+        (H', W', 1), as `fine` as the maps of `LayeredSamples`, where any of it was evaluated, else (H, W, 1).
+        """
+        if np.ptp(self.width) == 0:
+            return None
+        coarse: Floats = plan.placed(np.log2(self.width)[:, None], gutter=True)
+        if not self.evaluated.any():
+            return coarse
+        number = fine["material"][..., 0].astype(np.intp)
+        image = _relative(fine["width"][..., 0], self.usual[number])
+        row, column = np.nonzero(~self.evaluated[number])
+        if len(row):
+            middle = (np.stack([column, row], axis=1) + 0.5) / image.shape[::-1]
+            image[row, column] = bilinear(coarse, middle)[:, 0]
+        return image[..., None]
+
+
+def fit_lobes(
+    paths: Paths,
+    material: Ints,
+    neighbours: Neighbours,
+    vary: bool = True,
+    evaluated: Floats | None = None,
+) -> Lobes:
+    """The lobes of all materials; `material` (K,) are the texels' numbers.
+
+    `evaluated` (K,): log2 of the width² that follows from roughness, NaN where it is not known. Widths are
+    not fitted unless they may `vary`, and all 1 where they hardly differ.
+    """
+    count = int(material.max()) + 1
+    width = fit_widths(paths, neighbours)
+    if not vary or np.log(width).std() / 2 < _VARIES:
+        width = np.ones_like(width)
+    usual, taken = np.zeros(count, np.float32), np.zeros(count, bool)
+    if evaluated is not None:
+        for number in range(count):
+            own = material == number
+            if not np.isfinite(evaluated[own]).any():
+                continue
+            usual[number] = np.nanmean(evaluated[own])
+            relative = _relative(evaluated, usual[number])
+            taken[number] = _foretells(paths, number, 2**relative)
+            if taken[number]:
+                width[own] = 2 ** relative[own]
+    if np.ptp(width) > 0:
+        paths = replace(paths, width=width[paths.texel])
+    return Lobes(fit_materials(paths, count), width, taken, usual)
+
+
+def _relative(evaluated: Floats, usual: Floats) -> Floats:
+    """By how many octaves widths² differ from what is usual; 0 where they are not known."""
+    found: Floats = np.clip(np.nan_to_num(evaluated - usual), -_OCTAVES, _OCTAVES).astype(np.float32)
+    return found
+
+
+def _foretells(paths: Paths, number: int, width: Floats) -> bool:
+    """Whether a material's paths are likelier with its texels' lobes so much wider, (K,), than all alike.
+
+    Lobes are fitted to half of the paths, and asked for the other half.
+    """
+    own = np.flatnonzero(paths.material == number)
+    if not len(own) or np.log(width[paths.texel[own]]).std() / 2 < _VARIES:
+        return False
+    known, asked = paths.some(own[::2]), paths.some(own[1::2])
+    (alike,) = fit_materials(replace(known, material=0 * known.material), 1)
+    (varied,) = fit_materials(replace(known, material=0 * known.material, width=width[known.texel]), 1)
+    varied_likelihood = likelihood(varied, replace(asked, width=width[asked.texel]))
+    return varied_likelihood > likelihood(alike, asked) + _GAIN
+
+
+def fit_widths(paths: Paths, neighbours: Neighbours) -> Floats:
+    """By how much the texels' paths are further from their axes than those of their material, squared: (K,).
+
+    Means of logarithms, which the few paths in a lobe's tails hardly change; float32.
+    """
+    texels = len(neighbours.plan.texel)
+    kind = paths.material.astype(np.intp) * STEPS
+    kind += np.clip((paths.cosine * STEPS).astype(np.intp), 0, STEPS - 1)
+    bright = (paths.weight @ LUMINANCE).astype(np.float64)
+    bright[np.linalg.norm(paths.end, axis=1) < END] = 0
+    far = np.empty(len(bright))
+    for first in range(0, len(bright), _AT_ONCE):
+        some = slice(first, first + _AT_ONCE)
+        length = np.maximum(np.linalg.norm(paths.end[some], axis=1), END)
+        up, across = angles(paths.end[some] / length[:, None], paths.axis[some], paths.normal[some])
+        far[some] = np.log(np.maximum(up**2 + across**2, SHARPEST**2))
+    usual = np.bincount(kind, bright * far) / np.maximum(np.bincount(kind, bright), 1e-12)
+    sums = [np.bincount(paths.texel, values, texels) for values in (bright * (far - usual[kind]), bright)]
+    table = np.stack(sums)[..., None].astype(np.float32)
+    pooled = neighbours.pool(table) + np.float32(_WIDE) * neighbours.pool(table, True)
+    width = np.exp(pooled[0, :, 0] / np.maximum(pooled[1, :, 0], 1e-12))
+    return np.clip(width, _LEAST, _MOST).astype(np.float32)
