@@ -29,7 +29,7 @@ from .rows import Places
 from .turned import octahedral
 
 _GRAZING = 0.02  # N.V, below which a texel does not face a ray
-_SHARP = 2e-3  # width², radians²
+_SHARP = 2e-3  # width², radians²: what cells do not tell from none
 _PRIOR = 1e-3  # rays that the wider neighbourhood's mean counts for
 _ASKED_AT_ONCE = 1 << 18  # rays, of which few may meet the object
 
@@ -194,10 +194,21 @@ class _Met:
         offset = (surface.plan.points[texels] - around.middle).astype(np.float32)
         place = (self.own.place[rays][misled] - around.middle).astype(np.float32)
         about = axis[:, misled].T.astype(np.float32)
-        variance = np.full(len(texels), _SHARP, dtype=np.float32)
-        shown, known = light_of(around, offset, about, place, variance)
+        shown, known = light_of(around, offset, about, place, self._variance(texels, about))
         light[:, misled] = np.where(known, shown, light[:, misled])
         return light
+
+    def _variance(self, texels: Ints, axis: Floats) -> Floats:
+        """The lobes' mean variances (M,) where texels (M,) mirror what lies along axes (M, 3)."""
+        surface = self.surface
+        cosine = np.clip((surface.normal[texels] * axis).sum(axis=1), 1e-3, 1)
+        variance = np.empty(len(texels), dtype=np.float32)
+        for number, material in enumerate(surface.materials):
+            some = surface.material[texels] == number
+            if some.any():
+                variance[some] = material.mean_variance(cosine[some])
+        found: Floats = np.maximum(variance * surface.width[texels], _SHARP).astype(np.float32)
+        return found
 
     def add(self, some: slice, by_bucket: Floats) -> None:
         """Add what the places mirror of the object, which its buckets (3, B, n*n) show."""
