@@ -63,9 +63,11 @@ class PathEnds:
         scene: bpy.types.Scene,
         originals: Sequence[bpy.types.Object],
         copies: Sequence[bpy.types.Object],
+        others: Sequence[bpy.types.Mesh],
         group: bpy.types.ShaderNodeTree,
     ) -> None:
         self.scene, self.copies, self._originals, self._group = scene, copies, originals, group
+        self._others = others
 
     @contextmanager
     def named_alike(self) -> Iterator[None]:
@@ -88,7 +90,15 @@ class PathEnds:
 
     def blacken_objects(self) -> None:
         """Make the objects black, so that paths end where they meet them."""
-        material = black_material()
+        self._cover(black_material())
+
+    def emit(self, bodies: bpy.types.Material, others: bpy.types.Material) -> None:
+        """Give the objects one material, and everything else another."""
+        self._cover(bodies)
+        for mesh in self._others:
+            mesh.materials[0] = others
+
+    def _cover(self, material: bpy.types.Material) -> None:
         for copy in self.copies:
             mesh = cast(bpy.types.Mesh, cast(bpy.types.ID, copy.data).copy())
             mesh.materials.clear()
@@ -159,8 +169,8 @@ def path_ends(
         for copy, body in zip(copies, bodies, strict=True):
             place_exactly(copy, anchor, body.matrix)
             root.objects.link(copy)
-        _link_others(scene, anchor, others, _glow(group, middle))
-        yield PathEnds(scene, [body.original for body in bodies], copies, group)
+        meshes = _link_others(scene, anchor, others, _glow(group, middle))
+        yield PathEnds(scene, [body.original for body in bodies], copies, meshes, group)
     finally:
         remove_scene(scene)
 
@@ -199,8 +209,8 @@ def place_exactly(item: bpy.types.Object, anchor: bpy.types.Object, matrix: Floa
 
 def _link_others(
     scene: bpy.types.Scene, anchor: bpy.types.Object, others: Sequence[Placed], glow: bpy.types.Material
-) -> None:
-    """Add everything else that renders to the scene, with the emitting material `glow`."""
+) -> list[bpy.types.Mesh]:
+    """Add everything else that renders, with the emitting material `glow`; returns its meshes."""
     meshes: dict[Shape, bpy.types.Mesh] = {}
     for placed in others:
         mesh = meshes.get(placed.shape)
@@ -213,6 +223,7 @@ def _link_others(
             setattr(item, f"visible_{ray}", ray in placed.seen_by)
         place_exactly(item, anchor, placed.matrix)
         scene.collection.objects.link(item)
+    return list(meshes.values())
 
 
 def _light_group() -> bpy.types.ShaderNodeTree:

@@ -39,6 +39,9 @@ class OwnRays:
     Of the P rays that do, in the order of `np.nonzero(hit)`: the texel that they have `met` (P,), and the
     `place` where, (P, 3), in world space. Rays that meet a part without texels in this atlas have met -1, and
     bring the `light` (P, 3), one path's; None where there are none.
+    `misled` (K, S): which of the rays that hit do not meet the object, but what the layers of surroundings
+    would show wrongly; None where none is. They have met -1, and their place is NaN where they end in the
+    world. Their light is NaN where no path was traced along them.
     """
 
     rays: LobeSamples
@@ -46,6 +49,7 @@ class OwnRays:
     met: Ints
     place: Floats
     light: Floats | None = None
+    misled: Bools | None = None
 
     @property
     def traced(self) -> int:
@@ -53,7 +57,24 @@ class OwnRays:
         if self.light is None:
             return 0
         row, _ = np.nonzero(self.hit)
-        return len(np.unique(row[self.met < 0])) * int(self.hit.shape[1])
+        told = (self.met < 0) & np.isfinite(self.light[:, 0])
+        return len(np.unique(row[told])) * int(self.hit.shape[1])
+
+    @property
+    def meets(self) -> Bools:
+        """Which rays meet the object, (K, S)."""
+        return self.hit if self.misled is None else self.hit & ~self.misled
+
+    def with_misled(self, misled: Bools, place: Floats, light: Floats) -> OwnRays:
+        """Add rays (K, S) that are misled, M of them, the `place` (M, 3) of each and its `light`."""
+        hit = self.hit | misled
+        was = self.hit[hit]
+        met = np.full(len(was), -1, dtype=np.int32)
+        places, lights = (np.zeros((len(was), 3), dtype=np.float32) for _ in range(2))
+        met[was], places[was], places[~was], lights[~was] = self.met, self.place, place, light
+        if self.light is not None:
+            lights[was] = self.light
+        return OwnRays(self.rays, hit, met, places, lights, misled)
 
 
 @dataclass(frozen=True, eq=False)

@@ -40,6 +40,7 @@ from .exits import capture_exits
 from .gloss_maps import capture_gloss, within_texels
 from .lamps import find_lamps, refuse_negative_lamps
 from .material_maps import capture_maps, depends_on_angle
+from .misled_rays import find_misled
 from .opacity import find_opacity
 from .own_rays import SurfaceUV, capture_own_rays, own_aim, own_samples, sides_of
 from .panoramas import look_around
@@ -164,6 +165,7 @@ class _Captures:
             if lone is not None:
                 lone = replace(lone, plan=lit)  # all plans have the same texels, and each takes memory
             exits = self._exits((*bodies, *inside), middle, radius, rays.exits) if through else None
+            own = self._with_misled(own, plan(own_side(count)), around, inside, rays.light**2)
         capture = opacity.bare(
             LayeredSamples(light, lone, own, around, fine_maps, coarse_maps, faces[material], exits)
         )
@@ -255,6 +257,23 @@ class _Captures:
 
         kept = self.store.get_or_make("around", capture)
         return around_of(kept), int(kept["paths"][0])
+
+    def _with_misled(
+        self, own: OwnRays, plan: CapturePlan, around: Around, inside: tuple[Body, ...], most: int
+    ) -> OwnRays:
+        """The own rays, and those that the surroundings would show wrongly; see `find_misled`."""
+
+        def capture() -> Arrays:
+            seed, folder = self.spec.seed, self.folder
+            found = find_misled(
+                self.scratch, (*self.bodies, *inside), around, own.hit, plan, most, seed, folder
+            )
+            return {} if found is None else vars(found)
+
+        kept = self.store.get_or_make("misled", capture)
+        if not kept:
+            return own
+        return own.with_misled(cast(Bools, kept["rays"]), kept["place"], kept["light"])
 
     def _exits(self, bodies: tuple[Body, ...], middle: Floats, radius: float, times: int) -> ExitSamples:
         side = max(self.prepared.width, self.prepared.height)

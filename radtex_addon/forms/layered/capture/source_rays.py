@@ -46,7 +46,7 @@ def capture_source_rays(
     aim = own_aim(plan, seed)
     low, size = _box(bodies)
     with path_ends(scene, bodies, (), np.zeros(3, np.float32)) as ends:
-        material, normals = _shows_place(low, size)
+        material, normals = shows_place(low, size)
         for copy in ends.copies:
             mesh: Any = cast(bpy.types.ID, copy.data).copy()
             mesh.materials.clear()
@@ -116,13 +116,14 @@ def _box(bodies: Sequence[Body]) -> tuple[Floats, float]:
     return low, max(float(np.ptp(every, axis=0).max()), 1e-9)
 
 
-def _shows_place(low: Floats, size: float) -> tuple[bpy.types.Material, bpy.types.Node]:
+def shows_place(low: Floats, size: float, normals: bool = True) -> tuple[bpy.types.Material, bpy.types.Node]:
     """A material that emits the place that is met, from `low` (3,), over `size`, plus 1.
 
-    Also the node by whose value, 1, it emits the normal there plus 2.
+    Also the node by whose value, 1, as it has with `normals`, it emits the normal there plus 2.
     """
     material, build = open_material("RadTex place")
     switch = build.node("ShaderNodeValue")
+    cast(Any, switch).outputs[0].default_value = float(normals)
     away = build.vector("SUBTRACT", build.geometry("Position"), tuple(low.tolist()))
     place = build.vector("ADD", build.vector("SCALE", away, 1 / size), (1.0, 1.0, 1.0))
     side = build.math("MULTIPLY_ADD", build.geometry("Backfacing"), -2.0, 1.0)

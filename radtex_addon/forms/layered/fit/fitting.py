@@ -62,7 +62,8 @@ def fit_layered(
     free = free_share(own.rays, own.hit, grid, CELLS[0][0])
     yield Progress(Stage.FIT, 2, _STEPS)
     if capture.alone is not None:
-        paths = _open_paths(capture, capture.alone, normal, free, grid)
+        alone = free if own.misled is None else free_share(own.rays, own.meets, grid, CELLS[0][0])
+        paths = _open_paths(capture, capture.alone, normal, alone, grid)
         vary = parts.widths and normal_map is None  # normals that vary in a texel would count as roughness
         lobes = fit_lobes(paths, capture.material, neighbours, vary, _evaluated(capture, parts))
         width_map = lobes.image(plan, capture.fine)

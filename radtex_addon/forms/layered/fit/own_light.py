@@ -16,18 +16,20 @@ from dataclasses import dataclass
 import numpy as np
 
 from ....bake.blocks import SAMPLES_AT_ONCE, in_blocks, planes
-from ....bake.light_samples import mirrored
+from ....bake.light_samples import Some, mirrored
 from ....bake.plan import CapturePlan
-from ....core.arrays import Floats, Ints
+from ....core.arrays import Bools, Floats, Ints
 from ..lookup.atlas import mirrored_light
 from ..lookup.environment import Around
 from ..lookup.lobes import Material, falloff_at
+from ..lookup.ray_ends import light_of
 from ..samples import OwnRays
 from .bucket_grid import Block, BucketGrid
 from .rows import Places
 from .turned import octahedral
 
 _GRAZING = 0.02  # N.V, below which a texel does not face a ray
+_SHARP = 2e-3  # width², radians²: what cells do not tell from none
 _PRIOR = 1e-3  # rays that the wider neighbourhood's mean counts for
 _ASKED_AT_ONCE = 1 << 18  # rays, of which few may meet the object
 
@@ -147,14 +149,27 @@ class _Met:
 
     def look(self, some: slice) -> None:
         """Look the light at the places up, without what the object mirrors there of itself."""
-        surface, around = self.surface, self.surface.around
         rays = self._rays(some)
         if rays.start == rays.stop:
             return
         axis, met = self._axis(some), self.own.met[rays]
-        mirrored, normal, cosine = self._mirrored(axis, met)
         self.place.keep(rays, octahedral(axis))
-        self.faces[rays] = (cosine > _GRAZING) | (met < 0)
+        if self.own.light is None:
+            self.faces[rays], self.light[:, rays], self.share[:, rays] = self._shown(rays, axis, met)
+            return
+        there, light = np.flatnonzero(met >= 0), self._apart(some, rays, axis)
+        told = np.isfinite(light[0])
+        self.faces[rays], self.light[:, rays] = told, np.where(told, light, 0)
+        if len(there):
+            found = self._shown(rays.start + there, axis[:, there], met[there])
+            for kept, shown in zip((self.faces, self.light, self.share), found, strict=True):
+                kept[..., rays.start + there] = shown
+
+    def _shown(self, rays: Some, axis: Floats, met: Ints) -> tuple[Bools, Floats, Floats]:
+        """Of rays along axes (3, Q) that meet texels (Q,): `faces`, `light` and `share`."""
+        surface, around = self.surface, self.surface.around
+        mirrored, normal, cosine = self._mirrored(axis, met)
+        faces = cosine > _GRAZING
         cosine = np.clip(cosine, 1e-3, 1)
         free = self._at(surface.free, met, mirrored)[0]
         offset = planes(self.own.place[rays] - around.middle)
@@ -164,11 +179,36 @@ class _Met:
         )  # fmt: skip
         diffuse = surface.diffuse[met] * falloff_at(surface.falloff, surface.material[met], cosine)
         tint = surface.tint[met].T
-        self.light[:, rays], self.share[:, rays] = diffuse.T + shown * tint, share * tint
-        if self.own.light is not None:
-            apart = met < 0
-            self.light[:, rays][:, apart] = self.own.light[rays][apart].T
-            self.share[:, rays][:, apart] = 0
+        return faces, diffuse.T + shown * tint, share * tint
+
+    def _apart(self, some: slice, rays: slice, axis: Floats) -> Floats:
+        """The light (3, Q) of some texels' rays that meet no texel, NaN where nothing tells it."""
+        assert self.own.light is not None
+        light = self.own.light[rays].T.copy()
+        if self.own.misled is None:
+            return light
+        around, surface = self.surface.around, self.surface
+        row, number = np.nonzero(self.own.hit[some])
+        misled = self.own.misled[some][row, number]
+        texels = some.start + row[misled]
+        offset = (surface.plan.points[texels] - around.middle).astype(np.float32)
+        place = (self.own.place[rays][misled] - around.middle).astype(np.float32)
+        about = axis[:, misled].T.astype(np.float32)
+        shown, known = light_of(around, offset, about, place, self._variance(texels, about))
+        light[:, misled] = np.where(known, shown, light[:, misled])
+        return light
+
+    def _variance(self, texels: Ints, axis: Floats) -> Floats:
+        """The lobes' mean variances (M,) where texels (M,) mirror what lies along axes (M, 3)."""
+        surface = self.surface
+        cosine = np.clip((surface.normal[texels] * axis).sum(axis=1), 1e-3, 1)
+        variance = np.empty(len(texels), dtype=np.float32)
+        for number, material in enumerate(surface.materials):
+            some = surface.material[texels] == number
+            if some.any():
+                variance[some] = material.mean_variance(cosine[some])
+        found: Floats = np.maximum(variance * surface.width[texels], _SHARP).astype(np.float32)
+        return found
 
     def add(self, some: slice, by_bucket: Floats) -> None:
         """Add what the places mirror of the object, which its buckets (3, B, n*n) show."""

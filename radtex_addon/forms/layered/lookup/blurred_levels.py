@@ -70,7 +70,7 @@ class LevelMaps:
         row = 2 * (corner + self.first[number])
         light = np.zeros((self.channels, place.shape[1]), dtype=np.float32)
         for lower in (0, 1):
-            cells = self.around.take(row + lower, axis=0).reshape(len(row), 2, -1)
+            cells = self.around.take(row + lower, axis=0).reshape(len(row), 2, self.around.shape[1] // 2)
             for side in (0, 1):
                 for channel in range(self.channels):
                     light[channel] += weights[2 * lower + side] * cells[:, side, channel]

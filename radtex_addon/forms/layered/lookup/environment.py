@@ -117,6 +117,15 @@ class Plane:
         wider = np.clip(along * along * slant, _LEAST_RATIO**2, _MOST_RATIO**2)
         return (met / distance).T, wider, (0.5 - 0.5 * sine / root).astype(np.float32)
 
+    def seen_at(self, direction: Floats) -> Floats:
+        """The places (N, 3), from the middle, that its picture shows in unit directions (N, 3).
+
+        Directions above the horizon count as lying just below it.
+        """
+        deep = np.maximum(-(direction @ self.normal), _PARALLEL)
+        far = (float(self.eye @ self.normal) - self.height) / deep
+        return cast(Floats, self.eye + far[:, None] * direction)
+
 
 @dataclass(frozen=True, eq=False)
 class Impostor:
@@ -150,6 +159,11 @@ class Impostor:
             met, ratio = reached / length, far / length
         wider = np.clip(ratio, _LEAST_RATIO, _MOST_RATIO) ** 2
         return met.T, wider, np.ones_like(variance)
+
+    def seen_at(self, direction: Floats) -> Floats:
+        """As `Plane.seen_at`."""
+        near = self._maps.look(direction_to_octahedron(direction).T, 0)[0]
+        return cast(Floats, direction / np.maximum(near, 1e-9)[:, None])
 
     @cached_property
     def _maps(self) -> LevelMaps:

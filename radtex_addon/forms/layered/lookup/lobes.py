@@ -18,6 +18,7 @@ from ....core.arrays import Floats, Ints
 
 _KEPT = 2.56  # the kept mask's own blur, times the number of its cells along a side, radians
 _EDGE = 0.04  # the sharpest edge that is shown, radians: cells do not tell where it is any better
+_LEAST_WEIGHT = 1e-9
 LOBES = 2
 STEPS = 16  # of N.V
 
@@ -54,6 +55,12 @@ class Material:
 
         weight = between(np.moveaxis(self.weight, 2, 1))
         return weight, np.exp(between(np.log(self.variance))), between(self.bend)
+
+    def mean_variance(self, cosine: Floats) -> Floats:
+        """The mean of both lobes' variances, by weight, at N.V (N,): (N,)."""
+        weight, variance, _ = self.at(cosine)
+        bright = weight.sum(axis=1) + _LEAST_WEIGHT
+        return cast(Floats, (bright * variance).sum(axis=0) / bright.sum(axis=0))
 
 
 def lobe(squared: Floats, variance: Floats) -> Floats:

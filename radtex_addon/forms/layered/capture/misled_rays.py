@@ -1,0 +1,227 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Mirror rays that the layers of surroundings would show wrongly, and what they meet.
+
+One more render asks where the mirror rays end among all that is not baked. A ray is misled where the layers
+show another place, nothing where there is something, or something where there is nothing, unless that has the
+same colour. What the pictures do not know of the places where misled rays end, single paths tell.
+
+It does not go where something without faces is mirrored, such as hair, points or a volume object: no ray
+tells where that is. Rays that meet the object itself in this render count as shown right: through a cut-out
+or a clear part of it they see what no fit knows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any, cast
+
+import bpy
+import numpy as np
+
+from ....bake.light_samples import mirrored
+from ....bake.plan import CapturePlan
+from ....core.arrays import Bools, Floats
+from ....cycles.path_ends import Body, path_ends
+from ....cycles.portal import PortalCapture
+from ....cycles.sampling import tiles_of
+from ....scene.mesh.mesh_checks import FARTHEST
+from ....scene.mesh.render_contents import Placed, Shown, read_render
+from ....scene.nodes import open_material
+from ....scene.scratch import scene_copied
+from ....settings.kinds import Kind
+from ..lookup.environment import Around
+from ..lookup.ray_ends import SAME, light_of, shown_ends
+from .own_rays import dark_world, light_along, own_aim
+from .panoramas import NO_SURFACE
+from .source_rays import shows_place
+
+_FEW = 1e-3  # share of rays: where fewer are misled, none counts
+_ALIKE = 0.15  # of the brighter one: colours that differ by less are the same …
+_DARK = 0.02  # … and of the mean brightness
+_JUDGED = 2e-3  # width², radians², of what colours are compared of
+_BODY = 0.25  # what the baked objects emit; places emit 1 or more, the world nothing
+_NEAREST = 1e-2  # of the largest distance of the object's points from their middle, and …
+_EXACT = 1e-6  # … of the scene's size: places that are closer to each other are one
+_GOLDEN = 0.6180339887498949
+
+
+@dataclass(frozen=True, eq=False)
+class Misled:
+    """Which `rays` (K, S) are misled, and where each of these M ends: its `place` (M, 3), in world space.
+
+    It is NaN where that is the world. `light` (M, 3): that of a path along it, NaN where none was traced.
+    """
+
+    rays: Bools
+    place: Floats
+    light: Floats
+
+
+def find_misled(
+    scratch: bpy.types.Scene,
+    unseen: Sequence[Body],
+    around: Around,
+    hit: Bools,
+    plan: CapturePlan,
+    most: int,
+    seed: int,
+    folder: Path,
+) -> Misled | None:
+    """The misled ones of the rays that `capture_own_rays` takes, of which `hit` (K, S) meet the object.
+
+    None where few are. The `unseen` are baked, or lie inside what is. At most so many paths a texel
+    as `most` are traced, on average. Raises BakeError where Cycles fails.
+    """
+    originals = frozenset(body.original for body in unseen)
+    others = read_render(scratch, lambda shown: _others(shown, originals))
+    if others is None:
+        return None
+    judge = _Judge(around, plan, own_aim(plan, seed).squares(plan.layout.bucket), hit)
+    found = []
+    with scene_copied(scratch) as copy:
+        for some, ends in _ends(copy, unseen, others, plan, seed, folder):
+            found.append(judge.judged(some, ends))
+    rays, place, known = (np.concatenate(parts) for parts in zip(*found, strict=True))
+    if rays.mean() < _FEW:
+        return None
+    light = np.full(place.shape, np.nan, dtype=np.float32)
+    traced = _spread(len(rays), min(1.0, most / rays.shape[1]))[np.nonzero(rays)[0]] & ~known
+    if traced.any():
+        with scene_copied(scratch) as copy:
+            along = light_along(copy, plan, own_aim(plan, seed), rays, traced, seed, folder)
+        light[traced] = along[traced]
+    return Misled(rays, place, light)
+
+
+def _others(shown: Iterator[Shown], unseen: Collection[bpy.types.Object]) -> list[Placed] | None:
+    """What mirrors may show besides those that are `unseen`; None where some of it has no faces."""
+    found = []
+    for one in shown:
+        if one.evaluated.type in NO_SURFACE or one.owner in unseen or "glossy" not in one.seen_by:
+            continue
+        if one.evaluated.type != "MESH" or _has_hair(one.evaluated):
+            return None
+        shape = one.shape  # None of a mere volume's boundary
+        if shape is not None and (np.abs(one.bounds) < FARTHEST).all():
+            found.append(Placed(shape, one.matrix, one.seen_by))
+    return found
+
+
+def _has_hair(item: Any) -> bool:
+    return any(
+        system.settings.type == "HAIR" and system.settings.render_type == "PATH"
+        for system in item.particle_systems
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Ends:
+    """Where rays end: at the baked `body`, at another `thing` (k, S), at a `place` (k, S, 3)."""
+
+    body: Bools
+    thing: Bools
+    place: Floats
+    exact: float
+
+
+def _ends(
+    scene: bpy.types.Scene,
+    bodies: Sequence[Body],
+    others: Sequence[Placed],
+    plan: CapturePlan,
+    seed: int,
+    folder: Path,
+) -> Iterator[tuple[slice, _Ends]]:
+    """Blocks of the plan's texels, and where their mirror rays end."""
+    low, size = _box(others)
+    rays = plan.layout.bucket**2
+    with path_ends(scene, bodies, others, np.zeros(3, np.float32)) as ends:
+        ends.emit(_flat(_BODY), shows_place(low, size, False)[0])
+        ends.scene.world = dark_world()
+        capture = PortalCapture(ends.scene, plan, Kind.REFLECTION, 1, seed, folder, own_aim(plan, seed))
+        for tile in tiles_of(plan):
+            coded = capture.render_passes(tile).raw_whole[..., :3].reshape(-1, rays, 3)
+            first = tile.first_row * plan.columns
+            thing, body = coded.min(axis=-1) > (1 + _BODY) / 2, coded.max(axis=-1) > _BODY / 2
+            place = ((coded - 1) * size + low).astype(np.float32)
+            yield slice(first, first + len(coded)), _Ends(body & ~thing, thing, place, _EXACT * size)
+
+
+def _flat(value: float) -> bpy.types.Material:
+    """A material that emits the same everywhere."""
+    material, build = open_material("RadTex body")
+    shader = build.node("ShaderNodeEmission", (value, value, value, 1.0), 1.0)
+    build.node("ShaderNodeOutputMaterial", shader.outputs[0])
+    cast(Any, material).cycles.emission_sampling = "NONE"
+    return material
+
+
+def _box(others: Sequence[Placed]) -> tuple[Floats, float]:
+    """The lowest corner (3,) of a box around all others in world space, and its longest side."""
+    low, high = np.full(3, np.inf), np.full(3, -np.inf)
+    for other in others:
+        place = other.shape.position @ other.matrix[:3, :3].T + other.matrix[:3, 3]
+        low, high = np.minimum(low, place.min(axis=0)), np.maximum(high, place.max(axis=0))
+    if not others:
+        return np.zeros(3), 1.0
+    return low, max(float((high - low).max()), 1e-9)
+
+
+@dataclass(frozen=True, eq=False)
+class _Judge:
+    """Finds the misled among the `plan`'s rays, at bucket coordinates `square` (K, S, 2)."""
+
+    around: Around
+    plan: CapturePlan
+    square: Floats
+    hit: Bools
+
+    def judged(self, some: slice, ends: _Ends) -> tuple[Bools, Floats, Bools]:
+        """Which of some texels' rays are misled (k, S), their places (M, 3), which of these are known."""
+        asked = ~self.hit[some] & ~ends.body
+        row, ray = np.nonzero(asked)
+        axis = mirrored(self.plan, self.square[some], some)[row, ray]
+        offset = (self.plan.points[some] - self.around.middle).astype(np.float32)[row]
+        place = np.where(ends.thing[..., None], ends.place - self.around.middle, np.float32(np.nan))[row, ray]
+        wrong, known = self._wrong(offset, axis, place.astype(np.float32), ends.exact)
+        rays = np.zeros_like(asked)
+        rays[row, ray] = wrong
+        return rays, (place + self.around.middle)[wrong].astype(np.float32), known[wrong]
+
+    def _wrong(self, offset: Floats, axis: Floats, place: Floats, exact: float) -> tuple[Bools, Bools]:
+        """Which of N rays are misled, and of which the pictures know where they end, (N,) both."""
+        shown = shown_ends(self.around, offset, axis)
+        there, said = np.isfinite(place[:, 0]), np.isfinite(shown[:, 0])
+        least = exact + _NEAREST * float(np.abs(self.plan.points - self.around.middle).max())
+        apart = np.linalg.norm(place - shown, axis=1)
+        off = apart > np.maximum(SAME * np.linalg.norm(place - offset, axis=1), least)
+        wrong: Bools = np.where(there & said, off, there != said)
+        variance = np.full(int(wrong.sum()), _JUDGED, dtype=np.float32)
+        told = replace(self.around, lamps=()).look(offset[wrong], axis[wrong], variance)
+        true, sure = light_of(self.around, offset[wrong], axis[wrong], place[wrong], variance)
+        known = np.zeros(len(wrong), dtype=bool)
+        known[wrong] = sure
+        wrong[wrong] = ~(sure & self._alike(told, true))
+        return wrong, known
+
+    def _alike(self, told: Floats, true: Floats) -> Bools:
+        """Which colours (3, N) are the same."""
+        brighter = np.maximum(told, true).max(axis=0)
+        alike: Bools = np.abs(told - true).max(axis=0) <= _ALIKE * brighter + _DARK * self._usual
+        return alike
+
+    @cached_property
+    def _usual(self) -> float:
+        """The mean brightness all around the middle."""
+        pictures = [self.around.world, *(layer.pictures for layer in self.around.layers)]
+        return float(sum(picture.levels[-1][..., :3].mean() for picture in pictures))
+
+
+def _spread(count: int, share: float) -> Bools:
+    """A share of so many, evenly spread: (count,)."""
+    chosen: Bools = (np.arange(count) * _GOLDEN) % 1 < share
+    return chosen
