@@ -135,9 +135,8 @@ class _Captures:
         total = count * (rays.light**2 + 2 * of_ends**2 + 1) + len(fine.texel)
         yield Progress(Stage.CAPTURE, 0, total)
         faces = prepared.surface.material_numbers
-        fine_maps = self._maps("fine", fine, self._within(fine, triangle))
+        fine_maps = self._fine_maps(fine, triangle)
         coarse_maps = self._maps("coarse", plan(1))
-        fine_maps["material"] = fine.placed(faces[triangle][:, None].astype(np.float32), gutter=True)
         del fine, triangle  # they are as large as what is captured
         lone = None if self.known is not None else self._ends(plan(rays.ends), middle)
         done = 2 * count * of_ends**2
@@ -189,6 +188,12 @@ class _Captures:
         if self.prepared.source is not None:
             return [plan]
         return within_texels(self.prepared.surface, triangle, plan)
+
+    def _fine_maps(self, fine: CapturePlan, triangle: Ints) -> dict[str, Floats]:
+        """Maps of the material, its number among them; `triangle` (K,) are those of the plan's texels."""
+        number = self.prepared.surface.material_numbers[triangle][:, None].astype(np.float32)
+        maps = self._maps("fine", fine, self._within(fine, triangle))
+        return maps | {"material": fine.placed(number, gutter=True)}
 
     def _maps(
         self, name: str, plan: CapturePlan, within: Iterable[CapturePlan] | None = None

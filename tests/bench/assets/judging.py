@@ -1,0 +1,174 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Compare baked assets of several parts with path-traced pictures from the scene's cameras, part by part."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+from PIL import Image
+
+from radtex_addon.core.surface import ray_offset
+from radtex_addon.forms.layered.files.layered_files import read_layered
+from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas, alpha_at
+from radtex_addon.report.finished_bake import Finished, find_bakes_of_all, read_bake
+from radtex_addon.report.gbuffer import Array, BakedSurface, CameraRays, eroded
+from radtex_addon.report.metrics import Mask, Picture, display, flip_map, psnr
+from radtex_addon.scene.preview_file import appended
+
+PIXELS = 256  # of a picture's side
+SAMPLES = 256  # of a reference's pixel, denoised
+_SUBSAMPLES = 3  # along a pixel's side
+_LAYERS = 6  # clear parts before each other
+_LEFT = 0.01  # of the light from behind: less is nothing
+_GLINT = 1.0  # radiance that a display shows as white: what is brighter in the reference is a glint
+_FEWEST = 30  # pixels of a part in a view, or it is not judged there
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """A path-traced picture by one of the scene's cameras, and the rays of its pixels."""
+
+    name: str
+    reference: Picture
+    rays: CameraRays
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """One object of a bake: its surface, the bake and its atlas."""
+
+    name: str
+    surface: BakedSurface
+    bake: Finished
+    atlas: LayeredAtlas
+
+
+@dataclass(frozen=True, eq=False)
+class Figures:
+    """Of some pixels: PSNR, FLIP, light over the reference's, and the share of glints that is kept or NaN."""
+
+    psnr: float
+    flip: float
+    energy: float
+    glints: float
+
+    @classmethod
+    def of(cls, shown: Picture, reference: Picture, mask: Mask) -> Figures:
+        """Of the pixels in a mask."""
+        bright = mask & (reference.max(axis=2) > _GLINT)
+        kept = float(np.minimum(shown, reference)[bright].sum())
+        return cls(
+            psnr(shown, reference, mask),
+            float(flip_map(shown, reference)[mask].mean()),
+            float(shown[mask].sum() / reference[mask].sum()),
+            kept / float(reference[bright].sum()) if bright.any() else float("nan"),
+        )
+
+
+def traced_views(folder: Path) -> list[View]:
+    """Path trace the open scene from each of its cameras whose name begins with "view", in order of names."""
+    scene: Any = bpy.context.scene
+    scene.render.resolution_x = scene.render.resolution_y = PIXELS
+    scene.render.resolution_percentage = 100
+    scene.render.image_settings.file_format = "OPEN_EXR"
+    scene.cycles.samples, scene.cycles.use_denoising, scene.cycles.seed = SAMPLES, True, 7
+    cameras = [item for item in scene.objects if item.type == "CAMERA" and item.name.startswith("view")]
+    found = []
+    for camera in sorted(cameras, key=lambda item: str(item.name)):
+        file = folder / f"{camera.name}.exr"
+        scene.camera = camera
+        scene.render.filepath = str(file)
+        bpy.ops.render.render(write_still=True)
+        image: Any = bpy.data.images.load(str(file))
+        picture = np.array(image.pixels[:]).reshape(PIXELS, PIXELS, 4)[::-1, :, :3]
+        bpy.data.images.remove(image)
+        matrix = np.array(camera.matrix_world)
+        half = camera.data.sensor_width / 2 / camera.data.lens
+        rays = CameraRays.of_camera(matrix[:3, 3], matrix[:3, :3], half, PIXELS, _SUBSAMPLES)
+        found.append(View(camera.name, picture.astype(np.float64), rays))
+    return found
+
+
+def baked_parts(folder: Path) -> list[Part]:
+    """The objects of all bakes in a folder, which have previews."""
+    found = []
+    for file in find_bakes_of_all(folder, "judged"):
+        bake = read_bake(file)
+        atlas, _ = read_layered(file)
+        names = getattr(bake.sidecar, "surfaces", ()) or (bake.sidecar.object_name,)
+        with appended(bake.preview, tuple(names)) as copies:
+            for copy in copies:
+                if copy is not None:
+                    mesh: Any = copy.data
+                    surface = BakedSurface(mesh, np.array(copy.matrix_world), bake.sidecar.uv_map)
+                    found.append(Part(copy.name, surface, bake, atlas))
+    return found
+
+
+def judge(parts: list[Part], view: View, sheet: Path) -> dict[str, Figures]:
+    """Figures of a view, "all" and by part's name; writes a sheet: traced, baked, and twice their difference.
+
+    Pixels count that are wholly covered, but not where a clear part shows what is behind all parts, which no
+    bake knows.
+    """
+    light, who = _seen(parts, view.rays)
+    covered = (who >= 0).reshape(PIXELS, PIXELS, -1)
+    inside = covered.all(axis=2)
+    mean = np.where(covered[..., None], light.reshape(PIXELS, PIXELS, -1, 3), 0).sum(axis=2)
+    mean /= np.maximum(covered.sum(axis=2), 1)[..., None]
+    shown = np.where(inside[..., None], mean, view.reference)
+    whole = eroded(inside)
+    owner = who.reshape(PIXELS, PIXELS, -1)
+    masks = {"all": whole}
+    masks |= {part.name: whole & (owner == number).all(axis=2) for number, part in enumerate(parts)}
+    apart = np.abs(display(shown) - display(view.reference))
+    row = np.concatenate([display(view.reference), display(shown), np.clip(2 * apart, 0, 1)], axis=1)
+    Image.fromarray((255 * row).astype(np.uint8)).save(sheet)
+    return {
+        name: Figures.of(shown, view.reference, mask) for name, mask in masks.items() if mask.sum() >= _FEWEST
+    }
+
+
+def _seen(parts: list[Part], rays: CameraRays) -> tuple[Array, Array]:
+    """The light (N, 3) along rays, and the number of the first part that each meets, -1 for none."""
+    count = len(rays.away)
+    light, left = np.zeros((count, 3)), np.ones(count)
+    first = np.full(count, -1)
+    start = np.broadcast_to(rays.origin, rays.away.shape).copy()
+    some = np.arange(count)
+    step = max(ray_offset(part.surface.place) for part in parts)
+    for layer in range(_LAYERS):
+        near, met, shown, alpha = _nearest(parts, replace(rays, origin=start[some], away=rays.away[some]))
+        light[some] += left[some, None] * shown
+        if layer == 0:
+            first[some] = met
+        else:  # light from behind all parts is missing
+            first[some[(met < 0) & (left[some] > _LEFT)]] = -1
+        left[some] *= 1 - alpha
+        going = (met >= 0) & (left[some] > _LEFT)
+        some, near = some[going], near[going]
+        if not len(some):
+            break
+        start[some] += rays.away[some] * (near + step)[:, None]
+    return light, first
+
+
+def _nearest(parts: list[Part], rays: CameraRays) -> tuple[Array, Array, Array, Array]:
+    """Distance (N,), part (N,), light (N, 3) and alpha (N,) of what rays meet first; 0 and -1 for nothing."""
+    count = len(rays.away)
+    near, met = np.full(count, np.inf), np.full(count, -1)
+    light, alpha = np.zeros((count, 3)), np.zeros(count)
+    for number, part in enumerate(parts):
+        buffer = part.surface.gbuffer(rays, near)
+        hit = buffer.hit
+        if hit.any():
+            light[hit] = part.bake.radiance(buffer)[hit]
+            alpha[hit] = alpha_at(part.atlas, buffer.uv[hit])
+            near[hit] = np.linalg.norm(buffer.position[hit] - rays.origin[hit], axis=1)
+            met[hit] = number
+    return near, met, light, alpha
