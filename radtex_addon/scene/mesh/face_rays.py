@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-import sys
+import math
 from typing import Any
 
 import numpy as np
@@ -20,6 +20,7 @@ from ...core.surface import ray_offset
 _AT_ONCE = 1 << 14  # rays between two reports of progress
 _OFF = 0.05  # times a bake's ray offset: how far off a triangle rays start; thin walls must be thicker
 _INSET = 0.1  # share of the way to the triangle's middle: keeps rays' starts away from its edges
+_FARTHEST = 1e19  # Blender squares the distance in single floats
 _SPREAD = 3  # how often each triangle's value is averaged with its neighbours' values
 
 
@@ -30,7 +31,7 @@ def leaving_rays(
     face: Ints,
     side: float,
     stop: bool = False,
-    far: float = sys.float_info.max,
+    far: float = math.inf,
 ) -> Steps[Bools]:
     """Which rays from triangles `face` (K,) leave the `tree`, (K,); yields progress in rays.
 
@@ -43,6 +44,7 @@ def leaving_rays(
     anywhere = random.normal(size=(len(face), 3))
     off = _OFF * ray_offset(position)
     cast: Any = tree.ray_cast
+    reach = min(far, _FARTHEST)
     free = np.zeros(len(face), dtype=bool)
     for some in blocks(len(face), _AT_ONCE):
         yield Progress(Stage.EVALUATE, some.start, len(face))
@@ -54,7 +56,7 @@ def leaving_rays(
         place += off * outwards
         ways = normalised(outwards + 0.999 * normalised(anywhere[some]))
         free[some] = [
-            cast(Vector(start), Vector(way), far)[0] is None
+            cast(Vector(start), Vector(way), reach)[0] is None
             for start, way in zip(place.tolist(), ways.tolist(), strict=True)
         ]
         if stop and free[some].any():
