@@ -391,6 +391,10 @@ float3 radtex_layered(float2 uv, float3 position, float3 face, float3 V) {
     float3 light = radtex_colours(radtex_colour_map, radtex_colour_range, uv)
         * radtex_map(radtex_irradiance_map, radtex_irradiance_range, uv).rgb * facts.rgb;
     float3 axis = 2.0 * cosine * N - V;
+#ifdef RADTEX_NORMAL
+    axis += max(0.01 - dot(axis, face), 0.0) * face;  // no lower than the surface
+    axis *= rsqrt(dot(axis, axis));
+#endif
     float2 place = radtex_square(axis);
 #ifdef RADTEX_MIRRORS
     float3 from = position - radtex_middle.xyz;

@@ -359,7 +359,11 @@ fn radtex_layered(uv: vec2f, position: vec3f, face: vec3f, V: vec3f) -> vec3f {
     let facts = mix(radtex_of.curves[low], radtex_of.curves[low + 1], above);
     var light = radtex_colours(radtex_colour_map, radtex.colour_range, uv)
         * radtex_map(radtex_irradiance_map, radtex.irradiance_range, uv).rgb * facts.rgb;
-    let axis = 2.0 * cosine * N - V;
+    var axis = 2.0 * cosine * N - V;
+    if RADTEX_NORMAL {
+        axis += max(0.01 - dot(axis, face), 0.0) * face;  // no lower than the surface
+        axis *= inverseSqrt(dot(axis, axis));
+    }
     let place = radtex_square(axis);
     if RADTEX_MIRRORS {
         let whence = position - radtex.middle.xyz;

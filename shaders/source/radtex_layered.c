@@ -640,6 +640,10 @@ vec3 radtex_layered(vec2 uv, vec3 position, vec3 face, vec3 V) {
     vec3 light = radtex_colours(radtex_colour_map, radtex_colour_range, uv)
         * radtex_map(radtex_irradiance_map, radtex_irradiance_range, uv).rgb * facts.rgb;
     vec3 axis = 2.0 * cosine * N - V;
+#ifdef RADTEX_NORMAL
+    axis += max(0.01 - dot(axis, face), 0.0) * face;  // no lower than the surface
+    axis *= inversesqrt(dot(axis, axis));
+#endif
     vec2 place = radtex_square(axis);
 #ifdef RADTEX_MIRRORS
     vec3 from = position - radtex_middle.xyz;

@@ -155,7 +155,7 @@ def test_the_points_of_a_texel_are_averaged(tmp_path: Path) -> None:
 
 
 def _turned(name: str, low: float, high: float) -> bpy.types.Material:
-    """Metal with a normal map, of one roughness on the object's left side and of another on its right."""
+    """Metal with a normal map, of one roughness on the left of the object and of another on its right."""
     made = material(name, "ShaderNodeBsdfPrincipled", Metallic=1.0)
     tree: Any = made.node_tree
     shader = next(node for node in tree.nodes if node.type == "BSDF_PRINCIPLED")

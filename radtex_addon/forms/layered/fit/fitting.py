@@ -21,7 +21,7 @@ from ....settings.rays import coarser
 from ..cells import CELLS
 from ..lookup.atlas import LayeredAtlas
 from ..lookup.environment import Around
-from ..lookup.lobes import Material
+from ..lookup.lobes import LOWEST, Material
 from ..lookup.ways import Through
 from ..samples import LayeredSamples
 from .bucket_grid import BucketGrid
@@ -37,6 +37,7 @@ from .view_dependence import view_dependence
 from .widths import Lobes, fit_lobes
 
 _STEPS = 5  # of progress
+_ABOVE = 1.1 * LOWEST  # sine above mesh and facet: of axes that are lower, Cycles turns the shading normal
 _FREE = 0.98  # of a direction, above which a path is taken to leave the object straight away
 
 
@@ -188,11 +189,13 @@ def _open_paths(
     """The paths that are taken to leave the object straight away."""
     shape = ends.square.shape[:2]
     axis = np.empty((*shape, 3), dtype=np.float32)
-    open_to, cosine = np.empty(shape, dtype=np.float32), np.empty(shape, dtype=np.float32)
+    open_to, cosine, above = (np.empty(shape, dtype=np.float32) for _ in range(3))
+    faces = [one.reshape(-1, 3)[: shape[0], None] for one in (ends.plan.normal, ends.plan.facet)]
 
     def look(some: slice) -> None:
         axes, cosine[some] = mirrored_about(ends.plan, ends.square, normal, some)
         axis[some] = np.moveaxis(axes, 0, -1)
+        above[some] = np.min([(axis[some] * face[some]).sum(axis=-1) for face in faces], axis=0)
         open_to[some] = grid.gather(free, octahedral(axes), some)[0]
 
     in_blocks(look, *shape)
@@ -201,6 +204,7 @@ def _open_paths(
         own = (capture.material == number)[:, None]
         if (chosen & own).sum() < 0.02 * own.sum() * shape[1]:
             chosen |= own & (open_to >= np.quantile(open_to[own[:, 0]], 0.95))
+    chosen &= above > _ABOVE
     texel, number = np.nonzero(chosen)
     return Paths(
         texel=texel,

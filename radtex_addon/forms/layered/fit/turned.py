@@ -11,18 +11,21 @@ from ....bake.light_samples import Some, straight_through
 from ....bake.plan import CapturePlan
 from ....core.arrays import Floats
 from ....core.octahedron import direction_to_octahedron
+from ..lookup.lobes import lifted
 
 
 def mirrored_about(plan: CapturePlan, square: Floats, normal: Floats, some: Some) -> tuple[Floats, Floats]:
     """The mirror directions of some texels' viewers about `normal` (K, 3), (3, k, S), and N.V (k, S).
+
+    None lies below the surface.
 
     `square` (K, S, 2): the viewers' bucket coordinates; float32.
     """
     viewer = planes(-straight_through(plan, square[some].astype(np.float32, copy=False), some))
     about = normal[some].T[..., None]
     cosine = (viewer * about).sum(axis=0)
-    axis: Floats = 2 * cosine * about - viewer
-    return axis.astype(np.float32, copy=False), np.clip(cosine, 1e-3, 1)
+    axis = lifted(2 * cosine * about - viewer, plan.normals[some].T[..., None])
+    return axis, np.clip(cosine, 1e-3, 1)
 
 
 def octahedral(axis: Floats) -> Floats:

@@ -17,7 +17,7 @@ from ....core.fragments import Fragments
 from ....core.octahedron import direction_to_octahedron
 from ....core.sampler import bilinear, bilinear_texels
 from .environment import Around
-from .lobes import Material, bent, falloff_at, seen_free
+from .lobes import Material, bent, falloff_at, lifted, seen_free
 from .ways import Through, look_through
 
 _STEEP = 0.3  # cosine between the mesh's normal and a shading normal, below which that is not used
@@ -65,6 +65,8 @@ def sample_layered(atlas: LayeredAtlas, at: Fragments) -> Floats:
         normal = np.where(agrees, shading, normal)
     cosine = (normal * at.viewer).sum(axis=1)
     axis = (2 * cosine[:, None] * normal - at.viewer).astype(np.float32)
+    if atlas.normal is not None:
+        axis = lifted(axis.T, at.normal.T).T
     cosine = np.maximum(cosine, _LEAST_COSINE)
     light = bilinear(atlas.colour, at.uv) * bilinear(atlas.irradiance, at.uv)
     light = light * falloff_at(atlas.falloff, at.material, cosine)

@@ -19,6 +19,7 @@ from ....core.arrays import Floats, Ints
 _KEPT = 2.56  # the kept mask's own blur, times the number of its cells along a side, radians
 _EDGE = 0.04  # the sharpest edge that is shown, radians: cells do not tell where it is any better
 _LEAST_WEIGHT = 1e-9
+LOWEST = 0.01  # the sine above the surface of the lowest mirror direction, as in Cycles
 LOBES = 2
 STEPS = 16  # of N.V
 
@@ -70,6 +71,17 @@ def lobe(squared: Floats, variance: Floats) -> Floats:
     is Student's distribution with two degrees of freedom.
     """
     return (1 + variance / 2) / (2 * np.pi * variance) / (1 + squared / (2 * variance)) ** 2
+
+
+def lifted(axis: Floats, face: Floats) -> Floats:
+    """Mirror directions (3, ...) about shading normals that turn them below the surface, raised onto it.
+
+    `face` (3, ...): the mesh's normals. Cycles turns such shading normals until what is mirrored is above the
+    surface (`ensure_valid_specular_reflection`); float32.
+    """
+    raised = axis + np.maximum(LOWEST - (axis * face).sum(axis=0), 0) * face
+    raised /= np.sqrt((raised * raised).sum(axis=0))
+    return cast(Floats, raised.astype(np.float32, copy=False))
 
 
 def bent(axis: Floats, normal: Floats, bend: Floats) -> Floats:

@@ -16,6 +16,7 @@ from ....preview.taps import in_working_space, octahedron_group, readable_size
 from ....scene.nodes import NodeBuilder, Socket, close_group, open_group
 from ..files.arrangement import ALPHA, COLOUR, IRRADIANCE, NORMAL, OWN, REST, TINT, WIDTH
 from ..files.sidecar import LayeredSidecar
+from ..lookup.lobes import LOWEST
 from .images import buckets_group, constant, curve_group, curves_at, map_group, ordered
 from .surroundings import around_group
 from .through import through_group
@@ -60,8 +61,7 @@ def build_layered_group(images: _Images, facts: LayeredSidecar) -> bpy.types.Sha
     if NORMAL in images:
         shading = _shading_normal(build, build.group(map_group("Normal", images[NORMAL]), uv)[0], outward)
     facing = build.vector("DOT_PRODUCT", shading, viewer, label="N.V")
-    twice = build.vector("SCALE", shading, build.math("MULTIPLY", facing, 2.0))
-    axis = build.vector("SUBTRACT", twice, viewer, label="mirror direction")
+    axis = _mirror_direction(build, shading, facing, viewer, outward)
     cosine = build.math("MAXIMUM", facing, _LEAST_COSINE)
     falloff, first, second, bend, widths = curves_at(build, curves, cosine, material)
     (colour,) = build.group(map_group("Colour", images[COLOUR]), _later(build, uv, (falloff, first, second)))
@@ -121,6 +121,19 @@ def _shading_normal(build: NodeBuilder, found: Socket, outward: Socket) -> Socke
     shading = build.vector("NORMALIZE", found)
     agrees = build.math("GREATER_THAN", build.vector("DOT_PRODUCT", shading, outward), _STEEP)
     return build.vector("NORMALIZE", build.mix(agrees, outward, shading))
+
+
+def _mirror_direction(
+    build: NodeBuilder, shading: Socket, facing: Socket, viewer: Socket, outward: Socket
+) -> Socket:
+    """No lower than the surface where the shading normal is not the mesh's, as `lookup.lobes.lifted`."""
+    twice = build.vector("SCALE", shading, build.math("MULTIPLY", facing, 2.0))
+    axis = build.vector("SUBTRACT", twice, viewer, label="mirror direction")
+    if shading is outward:
+        return axis
+    lower = build.math("SUBTRACT", LOWEST, build.vector("DOT_PRODUCT", axis, outward))
+    up = build.vector("SCALE", outward, build.math("MAXIMUM", lower, 0.0))
+    return build.vector("NORMALIZE", build.vector("ADD", axis, up))
 
 
 def _mirrored_group(
