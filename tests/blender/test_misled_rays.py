@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -166,7 +167,7 @@ def _source(floor: Any) -> BakeSpec:
     return replace(SPEC, uv_layer=None, source="High", extrusion=0.05)
 
 
-CASES = {
+CASES: dict[str, Callable[[Any], BakeSpec]] = {
     "draft": lambda _: replace(SPEC, samples=6),
     "part": _two_materials,
     "source": _source,

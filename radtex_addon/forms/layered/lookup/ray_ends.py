@@ -28,7 +28,7 @@ def shown_ends(around: Around, offset: Floats, axis: Floats) -> Floats:
     for layer in around.layers:
         met, _, cover = layer.shape.meet(offset, axis, sharp)
         met = met.astype(np.float32)
-        solid = (cover > _SOLID) & (layer.pictures.look(met, sharp)[3] > _SOLID)
+        solid = (cover > _SOLID) & (layer.pictures.sharp(met)[3] > _SOLID)
         found[solid] = layer.shape.seen_at(met[solid])
     return found
 
