@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -18,14 +19,16 @@ from radtex_addon.core.arrays import Bools, Floats
 from radtex_addon.core.fragments import Fragments
 from radtex_addon.forms.layered.capture import capturing
 from radtex_addon.forms.layered.capture.capturing import capture_layered
+from radtex_addon.forms.layered.capture.misled_rays import Misled, find_misled
 from radtex_addon.forms.layered.fit.fitting import fit_layered
 from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas, sample_layered
 from radtex_addon.forms.layered.samples import LayeredSamples, OwnRays
 from radtex_addon.job import bake_object, bake_steps
+from radtex_addon.job.split_parts import part_specs
 from radtex_addon.prepare.prepared import prepare
 from radtex_addon.scene.objects import find_object
 from radtex_addon.scene.scratch import scratch_scene
-from radtex_addon.settings.spec import BakeSpec, Layout
+from radtex_addon.settings.spec import BakeSpec, Layout, Split
 from tests.blender import stage
 
 pytestmark = [pytest.mark.one_blender, pytest.mark.usefixtures("temporary")]
@@ -144,6 +147,55 @@ def test_a_floor_mirrors_the_post_before_the_wall(
     without = off(captured(tmp_path / "without", replace(SPEC, samples=4)))
     print(f"\noff by {off(capture):.3f}, by the layers alone {without:.3f}")
     assert off(capture) < 0.85 * without
+
+
+def _two_materials(floor: Any) -> BakeSpec:
+    mesh = bpy.data.meshes.new("Halves")
+    corners = [(x, y, 0) for y in (-1, 1) for x in (-1, 0, 1)]
+    mesh.from_pydata(corners, [], [(0, 1, 4, 3), (1, 2, 5, 4)])
+    for name in ("Left", "Right"):
+        mesh.materials.append(stage.material(name, "ShaderNodeBsdfGlossy", Roughness=0.05))
+    mesh.polygons[1].material_index = 1
+    floor.data = mesh
+    return part_specs(context.scene, "Floor", replace(SPEC, uv_layer=None, split=Split.MATERIAL))[1]
+
+
+def _source(floor: Any) -> BakeSpec:
+    floor.name = "High"
+    bpy.ops.mesh.primitive_plane_add(size=2)
+    context.object.name = "Floor"
+    return replace(SPEC, uv_layer=None, source="High", extrusion=0.05)
+
+
+CASES: dict[str, Callable[[Any], BakeSpec]] = {
+    "draft": lambda _: replace(SPEC, samples=6),
+    "part": _two_materials,
+    "source": _source,
+    "together": lambda _: replace(SPEC, uv_layer=None, objects=("Floor", "Wall")),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_they_are_found_in_every_kind_of_bake(
+    corner: Any, out: Path, monkeypatch: pytest.MonkeyPatch, case: str
+) -> None:
+    found: list[Misled | None] = []
+
+    def kept(*arguments: Any) -> Misled | None:
+        found.append(find_misled(*arguments))
+        return found[-1]
+
+    spec = CASES[case](corner)
+    monkeypatch.setattr(capturing, "find_misled", kept)
+    bake_object(context.scene, "Pair" if spec.objects else "Floor", spec, out)
+    (misled,) = found
+    assert misled is not None
+    assert 0.003 < misled.rays.mean() < 0.4
+    with np.errstate(invalid="ignore"):
+        at_post = ((misled.place > LOW - 0.01) & (misled.place < HIGH + 0.01)).all(axis=1)
+    light = misled.light[at_post & np.isfinite(misled.light[:, 0])]
+    assert at_post.any()
+    np.testing.assert_allclose(light, np.broadcast_to(POST, light.shape), atol=2e-3)
 
 
 def test_a_bake_goes_on_to_the_same_bytes_and_finds_them_once(

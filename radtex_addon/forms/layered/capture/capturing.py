@@ -164,7 +164,7 @@ class _Captures:
             if lone is not None:
                 lone = replace(lone, plan=lit)  # all plans have the same texels, and each takes memory
             exits = self._exits((*bodies, *inside), middle, radius, rays.exits) if through else None
-            own = self._with_misled(own, plan(own_side(count)), around, inside, rays.light**2)
+            own = self._with_misled(own, plan(own_side(count)), around, inside, rays.light**2 // 4)
         capture = opacity.bare(
             LayeredSamples(light, lone, own, around, fine_maps, coarse_maps, faces[material], exits)
         )

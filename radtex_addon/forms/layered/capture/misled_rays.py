@@ -22,6 +22,7 @@ from typing import Any, cast
 import bpy
 import numpy as np
 
+from ....bake.blocks import in_blocks
 from ....bake.light_samples import mirrored
 from ....bake.plan import CapturePlan
 from ....core.arrays import Bools, Floats
@@ -84,7 +85,7 @@ def find_misled(
     found = []
     with scene_copied(scratch) as copy:
         for some, ends in _ends(copy, unseen, others, plan, seed, folder):
-            found.append(judge.judged(some, ends))
+            found += judge.judged(some, ends)
     rays, place, known = (np.concatenate(parts) for parts in zip(*found, strict=True))
     if rays.mean() < _FEW:
         return None
@@ -126,6 +127,10 @@ class _Ends:
     thing: Bools
     place: Floats
     exact: float
+
+    def of(self, some: slice) -> _Ends:
+        """Those of some texels' rays."""
+        return _Ends(self.body[some], self.thing[some], self.place[some], self.exact)
 
 
 def _ends(
@@ -180,7 +185,15 @@ class _Judge:
     square: Floats
     hit: Bools
 
-    def judged(self, some: slice, ends: _Ends) -> tuple[Bools, Floats, Bools]:
+    def judged(self, some: slice, ends: _Ends) -> list[tuple[Bools, Floats, Bools]]:
+        """What `_judged` finds of some texels, block by block."""
+
+        def judge(part: slice) -> tuple[Bools, Floats, Bools]:
+            return self._judged(slice(some.start + part.start, some.start + part.stop), ends.of(part))
+
+        return in_blocks(judge, *ends.thing.shape)
+
+    def _judged(self, some: slice, ends: _Ends) -> tuple[Bools, Floats, Bools]:
         """Which of some texels' rays are misled (k, S), their places (M, 3), which of these are known."""
         asked = ~self.hit[some] & ~ends.body
         row, ray = np.nonzero(asked)

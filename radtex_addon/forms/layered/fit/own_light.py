@@ -22,7 +22,7 @@ from ....core.arrays import Bools, Floats, Ints
 from ..lookup.atlas import mirrored_light
 from ..lookup.environment import Around
 from ..lookup.lobes import Material, falloff_at
-from ..lookup.ray_ends import light_of
+from ..lookup.ray_ends import lamp_light, light_of
 from ..samples import OwnRays
 from .bucket_grid import Block, BucketGrid
 from .rows import Places
@@ -194,8 +194,11 @@ class _Met:
         offset = (surface.plan.points[texels] - around.middle).astype(np.float32)
         place = (self.own.place[rays][misled] - around.middle).astype(np.float32)
         about = axis[:, misled].T.astype(np.float32)
-        shown, known = light_of(around, offset, about, place, self._variance(texels, about))
-        light[:, misled] = np.where(known, shown, light[:, misled])
+        variance = self._variance(texels, about)
+        shown, known = light_of(around, offset, about, place, variance)
+        lamps, met = lamp_light(around, offset, about, place, variance)
+        traced = np.where(met, np.float32(np.nan), light[:, misled])  # lamps are added, without their noise
+        light[:, misled] = np.where(known, shown, traced) + lamps
         return light
 
     def _variance(self, texels: Ints, axis: Floats) -> Floats:

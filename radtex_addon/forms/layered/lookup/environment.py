@@ -68,6 +68,10 @@ class Pictures:
         found = self._maps.look(place, lower) * (1 - above)
         return cast(Floats, found + self._maps.look(place, np.minimum(lower + 1, last)) * above)
 
+    def sharp(self, direction: Floats) -> Floats:
+        """The picture in directions (N, 3), as sharp as it is: (C, N) float32."""
+        return self._maps.look(direction_to_octahedron(direction).T, 0)
+
     def level(self, variance: Floats) -> Floats:
         """Which level is as blurred as these widths² (N,), float32, with fractions of its logarithm."""
         level = np.log2(np.maximum(variance, 1e-12) / self.sharpest) / 2

@@ -17,6 +17,7 @@ from .environment import Around, Plane
 SAME = 0.12  # of a ray's length: ends that are closer to each other are one place
 _SHARP = 1e-9  # a width² that is none
 _SOLID = 0.5  # alpha from which on a layer shows something
+_CORNER = 6.0  # times a square lamp's variance: the square of the angle to its corner
 _LEAST_RATIO, _MOST_RATIO = 1 / 16, 4.0  # as the layers have it
 
 
@@ -27,7 +28,7 @@ def shown_ends(around: Around, offset: Floats, axis: Floats) -> Floats:
     for layer in around.layers:
         met, _, cover = layer.shape.meet(offset, axis, sharp)
         met = met.astype(np.float32)
-        solid = (cover > _SOLID) & (layer.pictures.look(met, sharp)[3] > _SOLID)
+        solid = (cover > _SOLID) & (layer.pictures.sharp(met)[3] > _SOLID)
         found[solid] = layer.shape.seen_at(met[solid])
     return found
 
@@ -58,3 +59,20 @@ def light_of(
         light[:, some[solid]] = (seen[:3] / np.maximum(seen[3], _SOLID))[:, solid]
         known[some[solid]] = True
     return cast(Floats, light), known
+
+
+def lamp_light(
+    around: Around, offset: Floats, axis: Floats, place: Floats, variance: Floats
+) -> tuple[Floats, Bools]:
+    """The light (3, N) of lamps before the places (N, 3) where rays end, and which rays meet one (N,)."""
+    light, met = np.zeros((3, len(axis)), dtype=np.float32), np.zeros(len(axis), dtype=bool)
+    length = np.linalg.norm(place - offset, axis=1)
+    for lamp in around.lamps:
+        towards = lamp.place - offset
+        distance = np.linalg.norm(towards, axis=1)
+        before = ~(length < distance)  # the world's is NaN
+        light += np.where(before, lamp.light(offset, axis, variance), 0)
+        squared = 2 * (1 - (axis * towards).sum(axis=1) / distance)
+        nearer = float((lamp.place**2).sum()) / distance**2
+        met |= before & (squared < _CORNER * lamp.variance * nearer)
+    return light, met
