@@ -35,7 +35,7 @@ from .menu_items import (
 from .option import Fold, Mark, Option, Section
 from .parts import Split
 from .targets import Target
-from .texel_density import MOST_TEXELS
+from .texel_density import MOST_SHARED, MOST_TEXELS
 
 DEFAULT_FOLDER = "//radtex/{blend_name}/"  # the panel's
 LEAST_MEMORY, MOST_MEMORY = 16, 2**24  # limits of --memory, in MiB
@@ -149,7 +149,8 @@ QUALITY = Section(Fold.MAIN, (
          preset=True, tooltip="What the size of the texture follows from"),
     _row("texels", flag="--texels", takes=int, metavar="N", cli_default=None, limits=(1, MAX_IMAGE_SIDE),
          title="Resolution", blender={"soft_min": 16, "soft_max": 1024}, preset=True, called=Setting.TEXELS,
-         help="texels along the atlas's longer side", default_words=str(BakeOptions.texels),
+         help="texels along the atlas's longer side",
+         default_words=f"{BakeOptions.texels}; for objects that share an atlas more, such as 256 for four",
          tooltip="Texels along the texture's longer side: more show finer detail on the surface. Twice as "
          "many take four times as long"),
     _row("density", flag="--density", metavar="D", title="Density", panel_default=64.0,
@@ -203,10 +204,14 @@ OBJECTS = Section(Fold.SURFACE, (
          "times, and beside --object"),
     _row("one_atlas", panel_name="together", title="One Atlas", panel_default=False,
          tooltip="Bake all chosen objects into one texture, so that a game draws them at once"),
-    _row("together", flag="--together", metavar="NAME", panel_name="atlas_name", title="Name",
+    _row("together", flag="--together", metavar="NAME|auto", panel_name="atlas_name", title="Name",
          panel_default="Atlas", called=Setting.TOGETHER, label="One Atlas",
-         help="bake all objects into one atlas, which is called NAME: DIR/NAME.KIND.exr",
-         default_words="each has its own",
+         help="bake all objects into one atlas, which is called NAME: DIR/NAME.KIND.exr; auto: one for each "
+         "group of objects that touch and that the layered layout takes, called like the parent or the "
+         "collection of them alone, else like the largest and _asset; no part of it is what is far larger "
+         "and flat, or encloses the others, such as a floor or a room. Without --texels an atlas that they "
+         f"share has about as many as theirs would have, up to {MOST_SHARED} a side",
+         default_words="each has its own; a line says which touch",
          tooltip="Name of the shared texture, and of its files"),
     _row("split", flag="--split", takes=Split, word="way to split", title="Split By", items=SPLITS,
          panel_default="none", called=Setting.SPLIT,

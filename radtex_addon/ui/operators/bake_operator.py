@@ -253,7 +253,7 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
         plans = [plan_bakes(scene, request, guess=guess) for request in requests]
         _check_begun(plans)
         if len(plans) > 1:  # resuming a group that is done would be refused
-            plans = [plan for plan in plans if not (plan.request.resume and _is_done(plan))]
+            plans = [plan for plan in plans if not (plan.request.resume and plan.is_done)]
             if not plans:
                 raise all_finished("objects")
         check_left([plan for plan in plans if not plan.request.only_changed])
@@ -315,14 +315,6 @@ def _check_begun(plans: Sequence[BakePlan]) -> None:
             do("go on with it", Setting.RESUME),
             do("bake it anew", Setting.OVERWRITE),
         )
-
-
-def _is_done(plan: BakePlan) -> bool:
-    """Whether all its bakes are finished, by the same settings and with all that is made of them."""
-    from ...job.variants import not_whole
-
-    request = plan.request
-    return not not_whole(tuple(plan.choices), request.folder, request.saves_preview, request.exports)
 
 
 def _free(scene: bpy.types.Scene, names: tuple[str, ...]) -> tuple[str, ...]:
