@@ -8,7 +8,7 @@ Most of what a part mirrors are the other parts, whose light is in their texels:
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TypeAlias
@@ -16,6 +16,7 @@ from typing import TypeAlias
 import bpy
 
 from ..core.errors import InputError
+from ..preview.swap import copy_of, is_on, original_of
 from ..scene.mesh.asset_parts import asset_groups
 from ..scene.mesh.touching import Surface, surfaces_in_render, surfaces_shown
 from ..scene.objects import is_rendered
@@ -116,11 +117,14 @@ def rendered_assets(scene: bpy.types.Scene, request: BakeRequest) -> tuple[Asset
 
 
 def read_shown(scene: bpy.types.Scene) -> Read:
-    """Reads surfaces as the viewport shows them: quick, and changes nothing."""
+    """Reads surfaces as the viewport shows them: quick, and changes nothing.
+
+    Where a bake is shown in an object's place, it has the object's surface.
+    """
     layer = find_view_layer(scene, None)
     if bpy.app.background:
         layer.update()  # without a window nothing else brings it up to date
-    return lambda items: surfaces_shown(layer, items)
+    return lambda items: surfaces_shown(layer, [copy_of(item) or item for item in items])
 
 
 def read_rendered(scene: bpy.types.Scene, frame: int | None) -> Read:
@@ -151,7 +155,8 @@ def _may_gain(spec: BakeSpec, wish: OpenLayout | None) -> bool:
 
 
 def _may_belong(item: bpy.types.Object, layer: bpy.types.ViewLayer) -> bool:
-    return item.type == "MESH" and is_rendered(item, layer) and not _LEVEL.fullmatch(item.name)
+    is_there = is_on(item) or is_rendered(item, layer)
+    return item.type == "MESH" and is_there and not _LEVEL.fullmatch(item.name)
 
 
 def _is_layered(scene: bpy.types.Scene, name: str, spec: BakeSpec, wish: OpenLayout | None) -> bool:
@@ -190,7 +195,7 @@ def _parents_of(group: Sequence[bpy.types.Object]) -> Iterator[str]:
     """Names of the parents that all of them have, the nearest one first, but of those with other meshes."""
     parent, inside = group[0].parent, set(group)
     while parent is not None:
-        below = {item for item in parent.children_recursive if item.type == "MESH"}
+        below = _meshes_among(parent.children_recursive)
         if inside <= below:
             if below <= inside and parent.type != "MESH":
                 yield parent.name
@@ -201,9 +206,14 @@ def _parents_of(group: Sequence[bpy.types.Object]) -> Iterator[str]:
 
 def _collections_of(scene: bpy.types.Scene, group: Sequence[bpy.types.Object]) -> Iterator[str]:
     """Names of the scene's collections of these meshes alone, the smallest first."""
-    found = []
-    for collection in scene.collection.children_recursive:
-        meshes = {item for item in collection.all_objects if item.type == "MESH" and not item.hide_render}
-        if meshes == set(group) and not _DEFAULT.fullmatch(collection.name):
-            found.append((len(collection.children_recursive), collection.name))
+    found = [
+        (len(collection.children_recursive), collection.name)
+        for collection in scene.collection.children_recursive
+        if _meshes_among(collection.all_objects) == set(group) and not _DEFAULT.fullmatch(collection.name)
+    ]
     yield from (name for _, name in sorted(found))
+
+
+def _meshes_among(items: Iterable[bpy.types.Object]) -> set[bpy.types.Object]:
+    """The meshes that render, with objects in the place of their previews."""
+    return {original_of(item) or item for item in items if item.type == "MESH" and not item.hide_render}

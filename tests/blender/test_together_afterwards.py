@@ -165,7 +165,7 @@ def test_the_window_shows_and_exports_all(out: Path) -> None:
 def test_the_panel_asks_for_one_atlas_or_one_for_each_part(out: Path) -> None:
     room()
     settings = context.scene.radtex
-    settings.together, settings.atlas_name, settings.directory = True, "Room", str(out)
+    settings.together, settings.atlas_name, settings.directory = "one", "Room", str(out)
 
     def asked(*names: str, guess: bool = False) -> tuple[tuple[str, BakeSpec], ...]:
         return request_of(values_of(settings), names).asked(context.scene, guess=guess)

@@ -230,20 +230,20 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
                 self.report({"INFO"}, remark(told))
 
     def _plans(self, scene: bpy.types.Scene, names: Sequence[str], *, guess: bool = False) -> list[BakePlan]:
-        """A plan for each group of objects that are baked by the same settings. Raises InputError.
+        """A plan for each group of objects that are baked by one request. Raises InputError.
 
         With `guess` no object is evaluated: see `plan_bakes`.
         """
         from ...core.errors import InputError
         from ...job.bake_plan import plan_bakes
         from ..panel.request_checks import all_finished, check_left
-        from ..settings.object_settings import by_settings
+        from ..settings.baked_groups import baked_groups
         from ..settings.request import request_of
 
         if not names:
             raise InputError(nothing_chosen(scene))
-        groups = by_settings(scene, names)
-        requests = [request_of(self._values(settings), group) for settings, group in groups]
+        groups = baked_groups(scene, names, self._values)
+        requests = [request_of(group.values, group.names) for group in groups]
         if self.only != "all":
             requests = [_of_changed(request, surroundings=self.only == "affected") for request in requests]
         if self.overwrite_any:
@@ -326,7 +326,8 @@ def _free(scene: bpy.types.Scene, names: tuple[str, ...]) -> tuple[str, ...]:
     from ..settings.object_settings import settings_for
 
     settings = {name: settings_for(scene, name) for name in names}
-    free = (name for name in names if settings[name].together or not is_being_baked(name, settings[name]))
+    stay = {name for name in names if settings[name].together == "one"}
+    free = (name for name in names if name in stay or not is_being_baked(name, settings[name]))
     return tuple(free) or names
 
 
