@@ -226,10 +226,16 @@ def test_the_frame_of_a_mirrored_object_agrees_with_its_triangles_and_uvs(out: P
     centre = np.array(to_gltf(np.array(middle.matrix_world.translation)))
     assert middle.matrix_world.determinant() < 0
     made = finished(export_steps(bake("Room", TOGETHER, out), ExportSpec(Target.GLTF)))
-    found = corners(Glb.read(made.folder / "Room.glb"))
+    glb = Glb.read(made.folder / "Room.glb")
+    found = [corners(glb, mesh) for mesh in range(3)]
     place, uv, normal, frame = (
-        values.reshape(3, 12, 3, -1).astype(np.float64)  # the objects' triangles, one object after the other
-        for values in (found.position, found.uv * (1, -1), found.normal, found.tangent)
+        np.stack(values).reshape(3, 12, 3, -1).astype(np.float64)  # one object after the other
+        for values in (
+            [each.position for each in found],
+            [each.uv * (1, -1) for each in found],
+            [each.normal for each in found],
+            [each.tangent for each in found],
+        )
     )
     assert np.abs(place[1].reshape(-1, 3).mean(axis=0) - centre).max() < 1e-4
     first, second = place[:, :, 1] - place[:, :, 0], place[:, :, 2] - place[:, :, 0]

@@ -70,7 +70,7 @@ def test_each_selected_object_has_a_line(monkeypatch: pytest.MonkeyPatch) -> Non
     assert sizes() == ("Box: about 300 × 300 texels", "Cup: about 112 × 112 texels")
     settings().together = "one"
     assert sizes() == ("Atlas: about 312 × 312 texels",)
-    settings().together = False
+    settings().together = "off"
     monkeypatch.setattr(bake_spec, "MOST_TEXELS", 128)
     box, cup = sizes()
     assert cup == "Cup: about 112 × 112 texels"
