@@ -28,7 +28,7 @@ _INSIDE = 0.95  # of a surface in another's hull: it is inside
 _FILLED = 0.5
 _ALIKE = 0.01  # of its size: boxes that differ by less are of one thing, if the hulls fill each other
 _SAMPLES = 1500  # points on a surface, or on the part of it near another one
-_READ = 500_000  # triangles of a mesh
+_READ = 200_000  # triangles of a mesh
 _TRIANGLES = 30_000  # in a tree; of more the largest are kept, and every n-th of the others
 _KEPT = 50_000  # pairs of meshes, at 32 bytes each
 
@@ -73,8 +73,8 @@ class Surface:
         """How far it reaches against and along each of `_DIRECTIONS`, (2, D): planes around its hull."""
         used = np.zeros(len(self.position), dtype=bool)
         used[self.triangles] = True
-        along = self.position[used] @ _DIRECTIONS.T
-        return np.stack([along.min(axis=0), along.max(axis=0)])
+        along = _DIRECTIONS @ self.position[used].T
+        return np.stack([along.min(axis=1), along.max(axis=1)])
 
     @property
     def size(self) -> float:
@@ -136,11 +136,15 @@ class Surface:
 def surface_of(position: Floats, triangles: Ints, matrix: Floats) -> Surface | None:
     """The surface of an object with a matrix (4, 4); None without triangles, or if it is too far away.
 
-    Of more than half a million triangles every n-th is taken: they are small.
+    Of more than 200,000 triangles every n-th is taken: they are small.
     """
     if not len(triangles):
         return None
-    triangles = triangles[:: -(-len(triangles) // _READ)]
+    if len(triangles) > _READ:
+        triangles = triangles[:: -(-len(triangles) // _READ)]
+        used = np.zeros(len(position), dtype=bool)
+        used[triangles] = True
+        position, triangles = position[used], (np.cumsum(used, dtype=np.int32) - np.int32(1))[triangles]
     is_near = (np.abs(_in_world(position, matrix)) < FARTHEST).all()
     return Surface(position, triangles, matrix) if is_near else None
 
