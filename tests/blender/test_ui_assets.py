@@ -7,11 +7,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, cast
 
 import bpy
 import pytest
 
+from radtex_addon.preview.swap import copy_of
+from radtex_addon.ui.operators.compare_operator import RADTEX_OT_compare
 from radtex_addon.ui.operators.estimate_operator import _bakes
 from radtex_addon.ui.panel import main_panel, panel_state
 from radtex_addon.ui.panel.main_panel import time_and_size, told_assets
@@ -131,3 +133,25 @@ def test_the_button_bakes_one_asset_which_stays_one_while_it_is_shown(out: Path)
     assert ops.radtex.preview_toggle() == {"FINISHED"}
     assert ops.radtex.export(target="raw") == {"FINISHED"}
     assert [path.name for path in out.iterdir() if path.is_dir()] == ["Shade_asset.raw"]
+
+
+def test_the_bake_of_an_asset_goes_before_those_of_its_parts(out: Path) -> None:
+    context.scene.objects["Cup"].select_set(False)
+    settings().texels, settings().samples, settings().unwrap = 16, 1, "blender"
+    settings().together = "off"
+    assert ops.radtex.bake() == {"FINISHED"}
+    settings().together = "auto"
+    assert ops.radtex.bake() == {"FINISHED"}
+    assert len(list(out.glob("*.radiance.json"))) == 3
+    assert ops.radtex.preview_toggle() == {"FINISHED"}
+    worn = {copy_of(context.scene.objects[name]).material_slots[0].material.name for name in LAMP}
+    assert worn == {"RadTex Shade_asset"}
+    assert ops.radtex.preview_toggle() == {"FINISHED"}
+    assert ops.radtex.export(target="raw") == {"FINISHED"}
+    assert [path.name for path in out.iterdir() if path.is_dir()] == ["Shade_asset.raw"]
+    lamp = [context.scene.objects[name] for name in LAMP]
+    bakes, _ = RADTEX_OT_compare._bakes(cast(Any, None), context.scene, lamp, "")
+    assert {each.path.name for each in bakes.values() if each} == {"Shade_asset.radiance.json"}
+    settings().together = "off"
+    assert ops.radtex.export(target="raw") == {"FINISHED"}
+    assert {path.name for path in out.glob("*.raw")} == {"Shade_asset.raw", "Foot.raw", "Shade.raw"}

@@ -11,7 +11,7 @@ from tests.real.window import Window, changed
 
 AWAY = 500, 600  # a place in the 3D view
 SECONDS_TO_GLIDE = 1.5  # for the panels below the button, which the lines have moved
-PANEL = 1030, 60, 1290, 520  # the sidebar from its top to the lines below the button
+PANEL = 1030, 60, 1290, 500  # the sidebar from its top to the lines below the button
 HAT = """
 top = max(corner[2] for corner in bpy.data.objects["Suzanne"].bound_box)
 place = bpy.data.objects["Suzanne"].matrix_world.translation
