@@ -147,7 +147,7 @@ def test_what_the_atlas_shows_goes_before_bakes_of_its_objects(out: Path) -> Non
 
 
 @pytest.mark.usefixtures("window")
-def test_a_job_shows_its_own_bake_and_has_no_arrow_for_several_objects(out: Path, tmp_path: Path) -> None:
+def test_a_job_shows_its_own_bake_and_resumes_that_of_several_objects(out: Path, tmp_path: Path) -> None:
     room()
     handover = hand_over(context.scene, tmp_path)
     order = order_bake(handover, "Room", TOGETHER, out, Filter.NEAREST)
@@ -159,7 +159,10 @@ def test_a_job_shows_its_own_bake_and_has_no_arrow_for_several_objects(out: Path
     for name in ("radtex.preview_toggle", "radtex.compare", "radtex.export", "radtex.show_in_browser"):
         assert (drawn[name].object, drawn[name].bake) == ("Room", str(files[1]))
     jobs_panel._draw_job(failed, Job(2, order, JobState.FAILED))
-    assert [name for name, _ in failed.buttons] == ["radtex.clear_jobs", "radtex.copy_report"]
+    assert [name for name, _ in failed.buttons] == ["radtex.clear_jobs", "radtex.bake", "radtex.copy_report"]
+    again = dict(failed.buttons)["radtex.bake"]
+    assert (again.objects.split("\n"), again.atlas_name) == (list(ROOM), "Room")
+    assert (again.together, again.texels, again.resume) == ("one", TOGETHER.texels, True)
     failed.buttons.clear()
     alone = order_bake(handover, "Left", TINY, out, Filter.NEAREST)
     jobs_panel._draw_job(failed, Job(3, alone, JobState.CANCELLED))

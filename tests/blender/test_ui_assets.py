@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
@@ -13,12 +14,15 @@ import bpy
 import pytest
 
 from radtex_addon.preview.swap import copy_of
+from radtex_addon.store.checkpoint import announce
+from radtex_addon.store.output_files import OutputFiles
 from radtex_addon.ui.operators.compare_operator import RADTEX_OT_compare
 from radtex_addon.ui.operators.estimate_operator import _bakes
 from radtex_addon.ui.panel import main_panel, panel_state
 from radtex_addon.ui.panel.main_panel import time_and_size, told_assets
 from radtex_addon.ui.panel.panel_state import Forecast, ShownAsset
 from radtex_addon.ui.settings.baked_groups import baked_groups
+from radtex_addon.ui.settings.request import spec_of, values_of
 from tests.blender import stage
 from tests.blender.recorded_layout import RecordedLayout
 from tests.blender.ui_stage import context, ops, registered, settings
@@ -155,3 +159,13 @@ def test_the_bake_of_an_asset_goes_before_those_of_its_parts(out: Path) -> None:
     settings().together = "off"
     assert ops.radtex.export(target="raw") == {"FINISHED"}
     assert {path.name for path in out.glob("*.raw")} == {"Shade_asset.raw", "Foot.raw", "Shade.raw"}
+
+
+def test_an_asset_is_resumed_by_the_names_of_its_objects(out: Path) -> None:
+    settings().texels, settings().samples, settings().unwrap = 16, 1, "blender"
+    bpy.ops.object.select_all(action="DESELECT")
+    spec = replace(spec_of(values_of(settings())), objects=LAMP, texels=64)
+    announce(OutputFiles.of("Shade_asset", spec, out).unfinished, ())
+    one = {"objects": "\n".join(LAMP), "together": "one", "atlas_name": "Shade_asset", "texels": 64}
+    assert ops.radtex.bake(**one, resume=True) == {"FINISHED"}
+    assert [path.name for path in out.glob("*.json")] == ["Shade_asset.radiance.json"]

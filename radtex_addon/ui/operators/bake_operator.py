@@ -54,6 +54,7 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
 
     if TYPE_CHECKING:  # types of the properties that Blender creates from the annotations below
         object: str
+        objects: str
         wait: bool
         show_object: bool
         only: str
@@ -66,6 +67,11 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
             name="Object",
             description="Name of the object to bake. Left empty, what the panel has chosen is baked",
             options={"SKIP_SAVE"},
+        )
+        objects: StringProperty(
+            name="Objects",
+            description="Names of the objects to bake, a line each, where that is more than one",
+            options={"SKIP_SAVE", "HIDDEN"},
         )
         wait: BoolProperty(
             name="Wait",
@@ -167,7 +173,7 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
             names = self._names(scene, layer, at_once)
             if self.show_object and self.only == "all":
                 _show_objects(scene, names)
-            if not self.object:
+            if not self._are_named:
                 names = self._bakeable(scene, names, at_once)
             plans = self._plans(scene, names)
             if self.show_object and self.only != "all":
@@ -191,10 +197,15 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
         """The objects to bake. Raises InputError if they are not those that are `expected`."""
         from ...core.errors import InputError
 
-        names = (self.object,) if self.object else chosen_names(scene, layer)
+        named = (self.object,) if self.object else tuple(self.objects.splitlines())
+        names = named or chosen_names(scene, layer)
         if self.expected and self.expected != told_names(names):
             raise InputError("other objects are chosen by now: look at the panel, and press again")
-        return names if self.object or at_once else _free(scene, names)
+        return names if named or at_once else _free(scene, names)
+
+    @property
+    def _are_named(self) -> bool:
+        return bool(self.object or self.objects)
 
     def _bakeable(self, scene: bpy.types.Scene, names: tuple[str, ...], at_once: bool) -> tuple[str, ...]:
         """Those that can be baked; reports why the others are left out. Raises InputError if none can."""
