@@ -33,6 +33,7 @@ from .options import (
     check_named,
 )
 
+AUTO = "auto"  # in place of an atlas's name: objects that touch share one
 _LAST_PORT = 65535
 
 _DESCRIPTION = """\
@@ -112,8 +113,9 @@ def read_request(found: argparse.Namespace, inside_blender: bool) -> Request:
         raise InputError("--export is made from the preview: give --save-preview too")
     objects = tuple(dict.fromkeys(found.object or ()))
     collections = tuple(dict.fromkeys(found.collection or ()))
+    assets = found.together == AUTO
     sharing = _sharing(found.together, objects, demo)
-    chosen["objects"] = () if collections else sharing  # the file has the others
+    chosen["objects"] = () if collections or assets else sharing  # the file has the others
     lights = tuple(map(parse_lights, found.lit or ()))
     spec = lit(BakeSpec(**chosen), lights)
     check_memory(spec)
@@ -130,7 +132,9 @@ def read_request(found: argparse.Namespace, inside_blender: bool) -> Request:
             spec=spec,
             folder=own_folder(blend) if found.out is None else Path(found.out),
             former=former_folders(blend) if found.out is None else (),
-            shared=found.together,
+            shared=None if assets else found.together,
+            assets=assets,
+            open_texels=found.texels is None,
             preview=found.filter if found.save_preview or demo else None,
             overwrite=found.overwrite or found.overwrite_any or demo,
             overwrite_any=found.overwrite_any or demo,

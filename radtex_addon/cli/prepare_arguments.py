@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from ..core.errors import InputError
-from .arguments import Request, read_request
+from .arguments import AUTO, Request, read_request
 from .bake_arguments import add_bake_options
 from .options import PREPARE, Parser, command_parser
 
@@ -29,6 +29,8 @@ def parse_prepare(arguments: list[str], inside_blender: bool) -> Request:
     """Parse what follows the command's name. Raises InputError; `--help` prints and raises SystemExit(0)."""
     request = read_request(build_parser(inside_blender).parse_args(arguments), inside_blender)
     bakes = request.bakes
+    if bakes.assets:
+        raise InputError(f"--together {AUTO}: a farm makes one atlas: name it, such as --together Furniture")
     for count, what in ((len(bakes.names), "object"), (len(bakes.frames), "frame")):
         if count > 1:
             raise InputError(f"a farm makes one atlas: prepare {count} of them, one for each {what}")

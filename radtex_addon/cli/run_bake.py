@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
@@ -24,7 +24,7 @@ from ..formats.disk.memory import readable_size
 from ..formats.disk.path_checks import check_unicode
 from ..formats.disk.temporary import remove_open
 from ..job import BakeResult
-from ..job.bake_plan import check_plan, plan_bakes, steps_of_bakes
+from ..job.bake_plan import BakePlan, check_plans, steps_of_bakes
 from ..job.variants import title_of
 from ..preview.save import render_picture
 from ..settings.spec import BakeSpec
@@ -32,6 +32,7 @@ from ..settings.texel_density import told_density
 from ..store.bake_folder import FolderState
 from ..textures.export_spec import Target
 from .arguments import Request
+from .asset_plans import asset_lines, plans_of
 from .collection_objects import with_collections
 from .failure import as_ours
 from .interruption import INTERRUPTED, Interruption
@@ -67,18 +68,41 @@ def _bake(
 ) -> list[Path]:
     """Bake each object once and report the results, their titles ending in `after`; returns the web pages."""
     pages: list[Path] = []
-    plan = plan_bakes(scene, request.bakes)
-    for line in plan.change_lines:
-        report.event("note", message=line)
-    if not plan.wanted:
-        state = "unchanged" if plan.found else "finished"
-        report.event("note", message=f"all {len(plan.choices)} bakes are {state}: nothing is left to do")
-    if plan.skipped:
-        report.event("warning", **told(Message(plan.skipped)))
-    check_plan(scene, plan)
+    plans = plans_of(scene, request.bakes)
+    _tell_of_bakes_there(plans, report)
+    check_plans(scene, plans)
     _check_thumbnail(request.thumbnail)
-    for line in plan.layout_lines:
+    for line in (line for plan in plans for line in plan.layout_lines):
         report.event("note", message=line)
+    for found in () if after else asset_lines(scene, request.bakes, plans):
+        report.event("note", **told(found))
+    for plan in plans:
+        pages += _bake_plan(scene, plan, replace(request, bakes=plan.request), report, interruption, after)
+    return pages
+
+
+def _tell_of_bakes_there(plans: Sequence[BakePlan], report: Report) -> None:
+    """Report what is known of bakes that are there: which have changed, and which are left out."""
+    for line in (line for plan in plans for line in plan.change_lines):
+        report.event("note", message=line)
+    if not any(plan.wanted for plan in plans):
+        state = "unchanged" if any(plan.found for plan in plans) else "finished"
+        count = sum(len(plan.choices) for plan in plans)
+        report.event("note", message=f"all {count} bakes are {state}: nothing is left to do")
+    for skipped in (plan.skipped for plan in plans if plan.skipped):
+        report.event("warning", **told(Message(skipped)))
+
+
+def _bake_plan(
+    scene: bpy.types.Scene,
+    plan: BakePlan,
+    request: Request,
+    report: Report,
+    interruption: Interruption,
+    after: str,
+) -> list[Path]:
+    """Make the bakes of a plan, which was checked, and report each; returns the web pages."""
+    pages: list[Path] = []
     thumbnail = partial(_thumbnail, request, report)
     for number, (name, spec, steps) in enumerate(steps_of_bakes(scene, plan, thumbnail)):
         title = _numbered_title(name, spec, number, len(plan.wanted)) + after

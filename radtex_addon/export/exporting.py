@@ -197,7 +197,9 @@ def _pack(bake: ExportSource, spec: ExportSpec, folder: Path) -> Generator[Expor
             manifest = replace(manifest, mirror=mirror)
         (folder / manifest.flat).write_bytes(flat.png)
         yield ExportStep(ExportTask.MESH, 0, 1)
-        write_gltf(scene, copy, layer, flat.png, manifest, folder / manifest.mesh, flat.clear)
+        # A loader that takes no scene takes one mesh.
+        names = bake.bake.objects if writer_of(spec.target).write_scene is not None else ()
+        write_gltf(scene, copy, layer, flat.png, manifest, folder / manifest.mesh, flat.clear, names)
     write_manifest(folder / f"{bake.name}.{EXTENSION}", manifest)
     return Pack(bake.name, manifest, folder, spec)
 

@@ -141,7 +141,7 @@ def _told_as(step: ExportStep, steps: Generator[ExportStep, None, Flat]) -> Gene
 def _add_node(scene: SceneGltf, node: SceneNode, baked: _Baked) -> int:
     """Add a node to the glTF; returns its index."""
     with baked.source.copy(node.surfaces) as (alone, copy):
-        mesh = baked_mesh(alone, copy, baked.source.bake.uv_map, baked.manifest, node.name)
+        mesh = baked_mesh(alone, copy, baked.source.bake.uv_map, baked.manifest, (node.name,))
     return scene.add_node(mesh, baked.texture, baked.manifest, baked.flat.clear)
 
 

@@ -14,7 +14,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any, cast
+from typing import Any, NamedTuple, cast
 from urllib.parse import quote
 
 import addon_utils
@@ -26,7 +26,7 @@ from ..core.errors import BakeError, InputError
 from ..core.frame import normalised
 from ..formats.containers.glb import Glb
 from ..formats.disk.temporary import temporary_folder
-from ..scene.mesh.copy import MATERIAL, NORMAL, SIGN, TANGENT, material_numbers
+from ..scene.mesh.copy import MATERIAL, NORMAL, OBJECT, SIGN, TANGENT, face_numbers, material_numbers
 from ..settings.kinds import Kind
 from .export_manifest import Manifest
 
@@ -40,10 +40,10 @@ _CLAMP, _LINEAR, _LINEAR_MIPMAPPED = 33071, 9729, 9987
 
 @dataclass(frozen=True, eq=False)
 class BakedMesh:
-    """A baked copy as glTF without materials: one node with its mesh.
+    """A baked copy as glTF without materials: a node with its mesh, or one for each of joined objects.
 
-    The mesh has a primitive for each of these `numbers`, by which shaders tell a bake's materials apart. The
-    primitive's `material` counts them from 0.
+    A mesh has a primitive for each of its `numbers`, by which shaders tell a bake's materials apart. The
+    primitive's `material` is a place among the `numbers` of all.
     """
 
     glb: Glb
@@ -58,13 +58,15 @@ def write_gltf(
     manifest: Manifest,
     path: Path,
     clear: bool = False,
+    names: Sequence[str] = (),
 ) -> None:
     """Write the baked copy, which is alone in `scene` and is changed, to `path`.
 
-    `flat` is the fallback's PNG; if `clear`, its alpha is blended. The material of a hull is single-sided.
+    If it joins the copies of several objects with these `names`, each gets a node. `flat` is the fallback's
+    PNG; if `clear`, its alpha is blended. The material of a hull is single-sided.
     Raises BakeError if Blender's exporter fails.
     """
-    mesh = baked_mesh(scene, copy, uv_layer, manifest, manifest.bake["object"])
+    mesh = baked_mesh(scene, copy, uv_layer, manifest, names or (manifest.bake["object"],))
     glb = mesh.glb
     glb.document["scenes"][0]["name"] = manifest.name
     texture = add_flat(glb, flat, manifest.flat)
@@ -74,25 +76,33 @@ def write_gltf(
 
 
 def baked_mesh(
-    scene: bpy.types.Scene, copy: bpy.types.Object, uv_layer: str, manifest: Manifest, name: str
+    scene: bpy.types.Scene, copy: bpy.types.Object, uv_layer: str, manifest: Manifest, names: Sequence[str]
 ) -> BakedMesh:
-    """The baked copy, which is alone in `scene` and is changed, as glTF. The node and mesh get the `name`.
+    """The baked copy, which is alone in `scene` and is changed, as glTF.
 
+    Its node and mesh get the only one of the `names`, or if it joins several copies each gets its own.
     Raises BakeError if Blender's exporter fails.
     """
     facts = manifest.form.shader_facts(manifest.bake, manifest.textures)
-    numbers = [0] if facts is None else _split_by_material(copy)
-    _strip(copy, uv_layer, several=len(numbers) > 1)
+    slots = _split(copy, by_material=facts is not None, by_object=len(names) > 1)
+    numbers = sorted({slot.material for slot in slots})
+    _strip(copy, uv_layer, several=len(slots) > 1)
     with temporary_folder() as folder:
         file = folder / "mesh.glb"
-        _export(scene, file, several=len(numbers) > 1)
+        _export(scene, file, several=len(slots) > 1)
         glb = Glb.read(file)
     document = glb.document
     (mesh,), (node,) = document["meshes"], document["nodes"]
-    mesh["name"] = node["name"] = name
+    primitives: dict[int, list[Any]] = {}
     for primitive in mesh["primitives"]:
         _set_frame(glb, primitive["attributes"])
-        primitive["material"] = _place_of(document, primitive) if len(numbers) > 1 else 0
+        slot = slots[_place_of(document, primitive) if len(slots) > 1 else 0]
+        primitive["material"] = numbers.index(slot.material)
+        primitives.setdefault(slot.object, []).append(primitive)
+    shown = sorted(primitives)
+    document["meshes"] = [{**mesh, "name": names[one], "primitives": primitives[one]} for one in shown]
+    document["nodes"] = [{**node, "name": names[one], "mesh": place} for place, one in enumerate(shown)]
+    document["scenes"][0]["nodes"] = list(range(len(shown)))
     document["materials"] = []
     document["asset"]["generator"] = f"{manifest.tool}, {document['asset']['generator']}"
     return BakedMesh(glb, tuple(numbers))
@@ -124,20 +134,31 @@ def to_gltf(vectors: Floats) -> Floats:
     return turned
 
 
-def _split_by_material(copy: bpy.types.Object) -> list[int]:
-    """Give the copy's mesh a slot for each material that it had at the bake; returns their numbers."""
+class _Slot(NamedTuple):
+    """What the faces of a temporary material are of: a joined object and a material, by their numbers."""
+
+    object: int
+    material: int
+
+
+def _split(copy: bpy.types.Object, *, by_material: bool, by_object: bool) -> list[_Slot]:
+    """Give the copy's mesh a slot for each object and each material that are to be told apart."""
     mesh: Any = copy.data
-    numbers, place = np.unique(material_numbers(mesh), return_inverse=True)
+    none = np.zeros(len(mesh.polygons), dtype=np.int32)
+    owners = face_numbers(mesh, OBJECT) if by_object else none
+    numbers = material_numbers(mesh) if by_material else none
+    found, place = np.unique(np.stack([owners, numbers]), axis=1, return_inverse=True)
+    slots = [_Slot(int(owner), int(number)) for owner, number in found.T]
     mesh.materials.clear()
-    if len(numbers) > 1:
-        for index in range(len(numbers)):
+    if len(slots) > 1:
+        for index in range(len(slots)):
             mesh.materials.append(bpy.data.materials.new(f"{_PLACE}{index}"))
-        mesh.polygons.foreach_set("material_index", place.astype(np.int32))
-    return [int(number) for number in numbers]
+        mesh.polygons.foreach_set("material_index", place.ravel().astype(np.int32))
+    return slots
 
 
 def _place_of(document: dict[str, Any], primitive: dict[str, Any]) -> int:
-    """The slot of `_split_by_material` that a primitive is of."""
+    """The place of the slot, of those of `_split`, that a primitive is of."""
     name: str = document["materials"][primitive["material"]]["name"]
     return int(name.removeprefix(_PLACE).partition(".")[0])
 

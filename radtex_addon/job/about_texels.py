@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""About how many texels an atlas will have whose size follows from a texel density, before its unwrap."""
+"""About how many texels an atlas will have whose size nobody named: by a texel density, or by its objects."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ..scene.mesh.about_area import AboutArea, about_area
 from ..scene.scratch import find_view_layer
 from ..scene.units import metres_per_unit
 from ..settings.spec import BakeSpec
-from ..settings.texel_density import about_side, capped_warning, side_for
+from ..settings.texel_density import about_side, capped_warning, side_for, side_for_several
 
 
 def with_about_texels(scene: bpy.types.Scene, name: str, spec: BakeSpec) -> BakeSpec:
@@ -25,6 +25,17 @@ def with_about_texels(scene: bpy.types.Scene, name: str, spec: BakeSpec) -> Bake
     if spec.density is None:
         return spec
     return replace(spec, texels=min(needed_texels(scene, name, spec), spec.most_texels))
+
+
+def with_texels_of_several(spec: BakeSpec) -> BakeSpec:
+    """The specification with about as many texels as its objects would have had, where the layout allows.
+
+    With a density it is returned unchanged.
+    """
+    if spec.density is not None:
+        return spec
+    side = min(side_for_several(spec.texels, len(spec.objects)), spec.most_texels)
+    return replace(spec, texels=max(spec.texels, side))
 
 
 def needed_texels(scene: bpy.types.Scene, name: str, spec: BakeSpec) -> int:

@@ -32,6 +32,7 @@ from .variants import (
     Bake,
     bakes_to_resume,
     check_output_collisions,
+    not_whole,
     skipped_warning,
     title_of,
     with_incomplete,
@@ -82,6 +83,12 @@ class BakePlan:
     def replaced(self) -> tuple[Bake, ...]:
         """The wanted bakes that are baked, and not only get what is made of them."""
         return tuple(bake for bake in self.wanted if bake not in self.found or self.found[bake].asks_for_bake)
+
+    @property
+    def is_done(self) -> bool:
+        """Whether all its bakes are finished, by the same settings and with all that is made of them."""
+        request = self.request
+        return not not_whole(tuple(self.choices), request.folder, request.saves_preview, request.exports)
 
     def course_of(self, bake: Bake) -> Course:
         """Whether a wanted bake may replace files, and whether it goes on with what is there."""
@@ -151,8 +158,16 @@ def _clear_left(request: BakeRequest, bakes: Sequence[Bake]) -> None:
         request.place(bake).clear_left()
 
 
-def check_plan(scene: bpy.types.Scene, plan: BakePlan) -> None:
-    """Check all bakes before the first starts. Raises InputError with the first problem."""
+def check_plans(scene: bpy.types.Scene, plans: Sequence[BakePlan]) -> None:
+    """Check all bakes of plans into one folder before the first starts. Raises InputError."""
+    for plan in plans:
+        _check_plan(scene, plan)
+    request = plans[0].request
+    wanted = [bake for plan in plans for bake in plan.wanted]
+    check_output_collisions(wanted, request.folder, request.saves_preview)
+
+
+def _check_plan(scene: bpy.types.Scene, plan: BakePlan) -> None:
     request = plan.request
     for name, spec in plan.wanted:
         course = plan.course_of((name, spec))
@@ -166,7 +181,6 @@ def check_plan(scene: bpy.types.Scene, plan: BakePlan) -> None:
             resume=course.resume,
             exports=request.exports,
         )
-    check_output_collisions(plan.wanted, request.folder, request.saves_preview)
 
 
 def preflight(scene: bpy.types.Scene, plan: BakePlan, patience: float = inf) -> Preflight:

@@ -18,7 +18,7 @@ from ..settings.spec import BakeSpec
 from ..store.bake_folder import BakeFolder, FolderState
 from ..store.ownership import Overwrite, open_blend
 from ..textures.export_spec import Target
-from .about_texels import with_about_texels
+from .about_texels import with_about_texels, with_texels_of_several
 from .layout_choice import OpenLayout
 from .split_parts import guessed_parts, part_specs
 from .variants import Bake
@@ -28,7 +28,9 @@ from .variants import Bake
 class BakeRequest:
     """Bakes of `objects`, by name, into `folder`: each for every frame and every entry of `lights`.
 
-    If `shared` is not None the objects share one atlas of that name. An entry of `lights` names lamps, or is
+    If `shared` is not None the objects share one atlas of that name; with `open_texels`, which nobody named,
+    it has about as many texels as they would have had. With `assets`, objects that touch are to be baked into
+    one atlas (`asset_requests`). An entry of `lights` names lamps, or is
     (EACH,) for every lamp alone, or (ALL,) for all light together. If `open_layout` is not None, `spec` has
     layout buckets until a layout is chosen for each object. `preview` is the filter of the previews to save,
     `exports` are made of every bake. `overwrite` and `resume` are as in `bake_steps`. With `only_changed`,
@@ -56,6 +58,8 @@ class BakeRequest:
     blend: Path | None = None
     passes: int = 1
     former: tuple[Path, ...] = ()
+    open_texels: bool = False
+    assets: bool = False
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -80,7 +84,10 @@ class BakeRequest:
 
         Raises InputError if EACH finds no lamp.
         """
-        spec = self.spec if self.shared is None else replace(self.spec, objects=self.objects)
+        spec = self.spec
+        if self.shared is not None:
+            spec = replace(spec, objects=self.objects)
+            spec = with_texels_of_several(spec) if self.open_texels else spec
         framed = of_frames(spec, self.frames) or (spec,)
         lit: dict[tuple[str, ...], None] = {}
         for names in self.lights:

@@ -81,6 +81,25 @@ SPLITS = (
     ("udim", "UDIM", "Each tile of the UV map has a texture; tiles are numbered from 1001 on"),
 )
 
+# The numbers are explicit because .blend files store them: 0 and 1 were off and on.
+TOGETHER = (
+    (
+        "auto",
+        "Automatic",
+        "Objects that touch are one asset, with one texture; all others, floors and walls have their own",
+        "NONE",
+        2,
+    ),
+    (
+        "one",
+        "One Atlas",
+        "All chosen objects share one texture, so that a game draws them at once",
+        "NONE",
+        1,
+    ),
+    ("off", "Each by Itself", "Each object has a texture of its own", "NONE", 0),
+)
+
 # The numbers are explicit because .blend files store them: the first two are the older ones.
 UNWRAPS = (
     (

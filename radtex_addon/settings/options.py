@@ -28,6 +28,7 @@ from .menu_items import (
     LAYOUTS_OR_AUTOMATIC,
     SPLITS,
     TARGETS,
+    TOGETHER,
     UNWRAPS,
     VARIANTS,
     VIEWS,
@@ -35,7 +36,7 @@ from .menu_items import (
 from .option import Fold, Mark, Option, Section
 from .parts import Split
 from .targets import Target
-from .texel_density import MOST_TEXELS
+from .texel_density import MOST_SHARED, MOST_TEXELS
 
 DEFAULT_FOLDER = "//radtex/{blend_name}/"  # the panel's
 LEAST_MEMORY, MOST_MEMORY = 16, 2**24  # limits of --memory, in MiB
@@ -149,7 +150,8 @@ QUALITY = Section(Fold.MAIN, (
          preset=True, tooltip="What the size of the texture follows from"),
     _row("texels", flag="--texels", takes=int, metavar="N", cli_default=None, limits=(1, MAX_IMAGE_SIDE),
          title="Resolution", blender={"soft_min": 16, "soft_max": 1024}, preset=True, called=Setting.TEXELS,
-         help="texels along the atlas's longer side", default_words=str(BakeOptions.texels),
+         help="texels along the atlas's longer side; left out, an atlas that objects share has more, such as "
+         "256 for four of them", default_words=str(BakeOptions.texels),
          tooltip="Texels along the texture's longer side: more show finer detail on the surface. Twice as "
          "many take four times as long"),
     _row("density", flag="--density", metavar="D", title="Density", panel_default=64.0,
@@ -202,12 +204,16 @@ OBJECTS = Section(Fold.SURFACE, (
          help="bake all meshes of the collection and of those in it, by name; what cannot be baked, such "
          "as what is hidden from render, is left out with a line that says why; may be given several "
          "times, and beside --object"),
-    _row("one_atlas", panel_name="together", title="One Atlas", panel_default=False,
-         tooltip="Bake all chosen objects into one texture, so that a game draws them at once"),
-    _row("together", flag="--together", metavar="NAME", panel_name="atlas_name", title="Name",
-         panel_default="Atlas", called=Setting.TOGETHER, label="One Atlas",
-         help="bake all objects into one atlas, which is called NAME: DIR/NAME.KIND.exr",
-         default_words="each has its own",
+    _row("one_atlas", panel_name="together", title="Together", items=TOGETHER, panel_default="auto",
+         tooltip="Which of the chosen objects share a texture"),
+    _row("together", flag="--together", metavar="NAME|auto", panel_name="atlas_name", title="Name",
+         panel_default="Atlas", called=Setting.TOGETHER, label="Together",
+         help="bake all objects into one atlas, which is called NAME: DIR/NAME.KIND.exr; auto: one for each "
+         "group of objects that touch and that the layered layout takes, called like the parent or the "
+         "collection of them alone, else like the largest and _asset; no part of it is what is far larger "
+         "and flat, or encloses the others, such as a floor or a room. Without --texels an atlas that they "
+         f"share has about as many as theirs would have, up to {MOST_SHARED} a side",
+         default_words="each has its own; a line says which touch",
          tooltip="Name of the shared texture, and of its files"),
     _row("split", flag="--split", takes=Split, word="way to split", title="Split By", items=SPLITS,
          panel_default="none", called=Setting.SPLIT,

@@ -1,6 +1,9 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Texels per metre of surface: read them from text, and estimate how many texels an atlas then needs."""
+"""Texels per metre of surface: read them from text, and estimate how many texels an atlas then needs.
+
+Also how many an atlas gets that several objects share.
+"""
 
 from __future__ import annotations
 
@@ -16,6 +19,7 @@ LEAST_DENSITY, MOST_DENSITY = 1e-9, 1e12  # texels per metre; what is beyond is 
 
 _PER_METRE = {"": 1.0, "m": 1.0, "cm": 100.0, "mm": 1000.0}
 _BEYOND = 2**31  # texels: all that is larger is too large alike
+MOST_SHARED, _SHARED_STEP = 512, 64  # texels along a side of an atlas that objects share, by default
 _USED, _APART = 0.7, 16  # what an unwrap covers of an atlas, but for the texels between islands: measured
 
 
@@ -77,6 +81,14 @@ def about_side(area: float, density: float) -> int:
     Within 12 % for most meshes; hundreds of small sheets need up to twice as many: see docs/unwrap.md.
     """
     return rounded(min(side_for(area, density, _USED) + _APART, _BEYOND))
+
+
+def side_for_several(side: int, count: int) -> int:
+    """Texels along the side of an atlas that `count` objects share, of which each had `side` by itself.
+
+    About as many in all: a multiple of 64, and at most 512 if `side` is not larger.
+    """
+    return max(side, min(_SHARED_STEP * ceil(side * sqrt(count) / _SHARED_STEP), MOST_SHARED))
 
 
 def grown_side(side: int, factor: float) -> int:

@@ -89,8 +89,8 @@ class Corners:
     tangent: Floats
 
 
-def corners(glb: Glb) -> Corners:
-    (primitive,) = glb.document["meshes"][0]["primitives"]
+def corners(glb: Glb, mesh: int = 0) -> Corners:
+    (primitive,) = glb.document["meshes"][mesh]["primitives"]
     index, named = glb.accessor(primitive["indices"]), primitive["attributes"]
     assert set(named) == {"POSITION", "TEXCOORD_0", "NORMAL", "TANGENT"}
     return Corners(

@@ -43,6 +43,8 @@ def test_objects_that_share_an_atlas_look_as_cycles_sees_them(out: Path) -> None
     glb = Glb.read(exported / "Pair.glb")
     numbers = [extension_in(each)["material"] for each in glb.document["materials"]]
     assert numbers == [0, 1, 2]
+    shown = {mesh["name"]: len(mesh["primitives"]) for mesh in glb.document["meshes"]}
+    assert shown == {"Ball": 2, "Box": 3}, "a draw call for each object and material"
     manifest = json.loads((exported / f"Pair.{EXTENSION}").read_text())
     assert manifest["bake"]["objects"] == ["Ball", "Box"]
 

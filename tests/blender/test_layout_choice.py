@@ -71,7 +71,7 @@ def asked(line: str, folder: Path = NOWHERE) -> Choice:
         ("--accumulate", as_asked(layout=Layout.LAYERED, accumulate=True)),
         ("--from High", as_asked(layout=Layout.LAYERED, source="High")),
         ("--split material", as_asked(layout=Layout.LAYERED, split=Split.MATERIAL)),
-        ("--together All --object Box", as_asked(layout=Layout.LAYERED, objects=("Card", "Box"))),
+        ("--together All --object Box", as_asked(layout=Layout.LAYERED, objects=("Card", "Box"), texels=192)),
     ],
 )
 def test_what_goes_with_a_layout_gets_it(line: str, spec: BakeSpec) -> None:

@@ -123,20 +123,33 @@ def test_parts_are_shown_together(out: Path) -> None:
         find_bake(out, "Cube")
 
 
-def test_an_export_has_the_objects_of_the_atlas_in_one_mesh(out: Path) -> None:
+def test_an_export_has_each_object_of_the_atlas_as_a_node_and_few_draw_calls(out: Path) -> None:
     sidecar = baked_room(out)
     before = fingerprint()
     made = finished(export_steps(sidecar, ExportSpec(Target.GLTF)))
     assert differences(before, fingerprint()) == {}
     glb = Glb.read(made.folder / "Room.glb")
-    (mesh,) = glb.document["meshes"]
-    assert mesh["name"] == "Room"
-    place = glb.accessor(mesh["primitives"][0]["attributes"]["POSITION"])
-    assert np.ptp(place[:, 0]) > 3  # all three in their places: three cubes in a row along x
-    corners = glb.accessor(mesh["primitives"][0]["indices"])
-    assert corners.size == 3 * 36
+    document = glb.document
+    assert [node["name"] for node in document["nodes"]] == list(ROOM)
+    assert document["scenes"][0]["nodes"] == [0, 1, 2]
+    meshes = [document["meshes"][node["mesh"]] for node in document["nodes"]]
+    assert [mesh["name"] for mesh in meshes] == list(ROOM)
+    primitives = [primitive for mesh in meshes for primitive in mesh["primitives"]]
+    assert len(primitives) == 3, "a draw call for each object"
+    assert len(document["materials"]) == 1
+    along = [glb.accessor(each["attributes"]["POSITION"])[:, 0] for each in primitives]
+    middles = [(one.min() + one.max()) / 2 for one in along]
+    assert np.allclose(middles, [-1, 0, 1], atol=1e-4), "each in its place in the world"
+    assert [glb.accessor(each["indices"]).size for each in primitives] == [36] * 3
     manifest = json.loads((made.folder / "Room.export.json").read_text())
     assert manifest["bake"]["objects"] == list(ROOM)
+
+
+def test_a_loader_that_takes_one_mesh_has_all_objects_in_it(out: Path) -> None:
+    made = finished(export_steps(baked_room(out), ExportSpec(Target.UNREAL)))
+    (mesh,) = Glb.read(made.folder / "Room.glb").document["meshes"]
+    assert mesh["name"] == "Room"
+    assert len(mesh["primitives"]) == 1
 
 
 def test_an_export_of_a_part_has_its_triangles_alone(out: Path) -> None:
@@ -165,7 +178,7 @@ def test_the_window_shows_and_exports_all(out: Path) -> None:
 def test_the_panel_asks_for_one_atlas_or_one_for_each_part(out: Path) -> None:
     room()
     settings = context.scene.radtex
-    settings.together, settings.atlas_name, settings.directory = True, "Room", str(out)
+    settings.together, settings.atlas_name, settings.directory = "one", "Room", str(out)
 
     def asked(*names: str, guess: bool = False) -> tuple[tuple[str, BakeSpec], ...]:
         return request_of(values_of(settings), names).asked(context.scene, guess=guess)

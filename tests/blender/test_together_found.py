@@ -147,7 +147,7 @@ def test_what_the_atlas_shows_goes_before_bakes_of_its_objects(out: Path) -> Non
 
 
 @pytest.mark.usefixtures("window")
-def test_a_job_shows_its_own_bake_and_has_no_arrow_for_several_objects(out: Path, tmp_path: Path) -> None:
+def test_a_job_shows_its_own_bake_and_resumes_that_of_several_objects(out: Path, tmp_path: Path) -> None:
     room()
     handover = hand_over(context.scene, tmp_path)
     order = order_bake(handover, "Room", TOGETHER, out, Filter.NEAREST)
@@ -159,7 +159,10 @@ def test_a_job_shows_its_own_bake_and_has_no_arrow_for_several_objects(out: Path
     for name in ("radtex.preview_toggle", "radtex.compare", "radtex.export", "radtex.show_in_browser"):
         assert (drawn[name].object, drawn[name].bake) == ("Room", str(files[1]))
     jobs_panel._draw_job(failed, Job(2, order, JobState.FAILED))
-    assert [name for name, _ in failed.buttons] == ["radtex.clear_jobs", "radtex.copy_report"]
+    assert [name for name, _ in failed.buttons] == ["radtex.clear_jobs", "radtex.bake", "radtex.copy_report"]
+    again = dict(failed.buttons)["radtex.bake"]
+    assert (again.objects.split("\n"), again.atlas_name) == (list(ROOM), "Room")
+    assert (again.together, again.texels, again.resume) == ("one", TOGETHER.texels, True)
     failed.buttons.clear()
     alone = order_bake(handover, "Left", TINY, out, Filter.NEAREST)
     jobs_panel._draw_job(failed, Job(3, alone, JobState.CANCELLED))
@@ -226,10 +229,16 @@ def test_the_frame_of_a_mirrored_object_agrees_with_its_triangles_and_uvs(out: P
     centre = np.array(to_gltf(np.array(middle.matrix_world.translation)))
     assert middle.matrix_world.determinant() < 0
     made = finished(export_steps(bake("Room", TOGETHER, out), ExportSpec(Target.GLTF)))
-    found = corners(Glb.read(made.folder / "Room.glb"))
+    glb = Glb.read(made.folder / "Room.glb")
+    found = [corners(glb, mesh) for mesh in range(3)]
     place, uv, normal, frame = (
-        values.reshape(3, 12, 3, -1).astype(np.float64)  # the objects' triangles, one object after the other
-        for values in (found.position, found.uv * (1, -1), found.normal, found.tangent)
+        np.stack(values).reshape(3, 12, 3, -1).astype(np.float64)  # one object after the other
+        for values in (
+            [each.position for each in found],
+            [each.uv * (1, -1) for each in found],
+            [each.normal for each in found],
+            [each.tangent for each in found],
+        )
     )
     assert np.abs(place[1].reshape(-1, 3).mean(axis=0) - centre).max() < 1e-4
     first, second = place[:, :, 1] - place[:, :, 0], place[:, :, 2] - place[:, :, 0]

@@ -207,10 +207,10 @@ def test_no_time_is_told_of_parts(panel: Any) -> None:
         context.scene.objects[name].select_set(True)
     assert ops.radtex.estimate() == {"FINISHED"}
     assert panel_state.refresh(context.scene, context.view_layer).seconds is not None
-    panel.together = True
+    panel.together = "one"
     assert panel_state.refresh(context.scene, context.view_layer).seconds is not None
     assert ops.radtex.estimate() == {"FINISHED"}
-    panel.together, panel.split = False, "material"
+    panel.together, panel.split = "off", "material"
     assert panel_state.refresh(context.scene, context.view_layer).seconds is None
     with pytest.raises(RuntimeError, match="Only the time of whole objects is estimated"):
         ops.radtex.estimate()

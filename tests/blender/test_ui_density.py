@@ -68,9 +68,9 @@ def test_each_selected_object_has_a_line(monkeypatch: pytest.MonkeyPatch) -> Non
     assert sizes() == ()
     settings().atlas_size, settings().density = "density", 32
     assert sizes() == ("Box: about 300 × 300 texels", "Cup: about 112 × 112 texels")
-    settings().together = True
+    settings().together = "one"
     assert sizes() == ("Atlas: about 312 × 312 texels",)
-    settings().together = False
+    settings().together = "off"
     monkeypatch.setattr(bake_spec, "MOST_TEXELS", 128)
     box, cup = sizes()
     assert cup == "Cup: about 112 × 112 texels"

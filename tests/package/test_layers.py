@@ -222,6 +222,7 @@ READERS: dict[str, str] = {
             "job/about_texels",
             "job/checks",
             "job/layout_choice",
+            "job/assets",
             "job/left_out",
             "job/preflight",
             "job/previews",

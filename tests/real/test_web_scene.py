@@ -12,6 +12,7 @@ import pytest
 from scipy.ndimage import binary_dilation
 
 from radtex_addon.bake.progress import finished
+from radtex_addon.export.exporting import export_steps
 from radtex_addon.export.exporting_scene import export_scene_steps
 from radtex_addon.textures.export_spec import ExportSpec, Target
 from tests.real.exhibit import CAMERAS, Bake, Exhibit, Form, decibels
@@ -71,3 +72,12 @@ def test_a_room_of_all_layouts_is_one_page(web: Site, room: list[Path]) -> None:
         message = shown.page.locator("#message")
         message.wait_for(state="visible", timeout=20_000)
         assert "Room (1) is a whole scene, to which lamps cannot be added" in message.inner_text()
+
+
+def test_objects_of_one_atlas_are_shown_each_in_its_place(web: Site, room: list[Path]) -> None:
+    finished(export_steps(room[1], ExportSpec(Target.WEB), web.folder / "furniture"))
+    with web.opened("furniture/", 800, 600) as shown:
+        shown.wait()
+        row = [shown.page.evaluate("x => Boolean(radtex.inspect(x, 300))", x) for x in range(10, 790, 10)]
+    runs = [met for met, before in zip(row, [False, *row], strict=False) if met and not before]
+    assert len(runs) == 2, "the chair, a gap, the table"

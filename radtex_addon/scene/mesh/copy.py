@@ -29,6 +29,7 @@ _ALONE = 10_000  # faces for which Blender uses one thread only
 _LAYER, _NORMAL = "RadTex patch", "custom_normal"
 UV_LAYER = "RadTex"
 NORMAL, TANGENT, SIGN = "radtex_normal", "radtex_tangent", "radtex_sign"  # on corners, in object space
+OBJECT = "radtex_object"  # on faces of a joined copy: the number of the copy that they are of
 MATERIAL = "radtex_material"  # on faces: the material's number, where there are several
 SHOWN = "radtex_copy"  # of an object that a preview replaces: the preview, and how the object was hidden
 MATRIX = "radtex_matrix_world"  # of the mesh: the object's matrix at the bake, row by row
@@ -131,8 +132,13 @@ def write_face_numbers(mesh: bpy.types.Mesh, name: str, numbers: Ints) -> None:
 
 def material_numbers(mesh: bpy.types.Mesh) -> Ints:
     """The number of each triangle's material at the bake, (F,) int32, of a mesh of `baked_mesh`."""
+    return face_numbers(mesh, MATERIAL)
+
+
+def face_numbers(mesh: bpy.types.Mesh, name: str) -> Ints:
+    """The whole numbers (F,) int32 of an attribute of faces; 0 where it is not there."""
     numbers = np.zeros(len(mesh.polygons), dtype=np.int32)
-    attribute = cast(Any, mesh).attributes.get(MATERIAL)
+    attribute = cast(Any, mesh).attributes.get(name)
     if attribute is not None:
         attribute.data.foreach_get("value", numbers)
     return numbers

@@ -14,7 +14,7 @@ import numpy as np
 from ...core.arrays import Bools, Ints
 from ...core.surface import SurfaceMesh
 from .backs import TWIN, fronts, twin_numbers
-from .copy import MATERIAL, NORMAL, SIGN, TANGENT, material_numbers, write_face_numbers
+from .copy import MATERIAL, NORMAL, OBJECT, SIGN, TANGENT, material_numbers, write_face_numbers
 from .evaluated import EvaluatedMesh
 from .mesh_parts import PART
 
@@ -76,7 +76,7 @@ def joined_copy(copies: Sequence[bpy.types.Object], uv_layer: str, part: int | N
     """An object whose mesh has all triangles of the copies' meshes, or only those of part number `part`.
 
     The meshes must be in world space. Only the frame's attributes, the `uv_layer`, the numbers of materials
-    and twins are kept.
+    and twins are kept, and each face has the number of its copy.
     """
     meshes: list[Any] = [copy.data for copy in copies]
     chosen = [_faces_of(mesh, part) for mesh in meshes]
@@ -99,6 +99,8 @@ def joined_copy(copies: Sequence[bpy.types.Object], uv_layer: str, part: int | N
         made.attributes.new(name, kind, "CORNER").data.foreach_set(field, np.concatenate(values).ravel())
     numbers = [material_numbers(mesh)[faces] for mesh, faces in zip(meshes, chosen, strict=True)]
     write_face_numbers(made, MATERIAL, np.concatenate(numbers))
+    owners = np.repeat(np.arange(len(copies)), [len(each) for each in numbers])
+    write_face_numbers(made, OBJECT, owners.astype(np.int32))
     twins = _joined_twins(meshes, chosen)
     if twins is not None:
         write_face_numbers(made, TWIN, twins)

@@ -13,7 +13,7 @@ from ..settings.chosen_objects import chosen_meshes
 from ..settings.object_settings import settings_for
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
 
     from ...core.errors import RadTexError
 
@@ -149,11 +149,41 @@ def sidecars_of(
 
     found: dict[bpy.types.Object, Path] = {}
     errors: list[RadTexError] = []
-    for item in items:
+    chosen = list(items)
+    assets = asset_bakes(scene, [item.name for item in chosen], bake)
+    for item in chosen:
         try:
-            found[item] = sidecar_of(scene, item.name, bake)
+            found[item] = assets.get(item.name) or sidecar_of(scene, item.name, bake)
         except RadTexError as error:
             errors.append(error)
     if errors and not found:
         raise errors[0]
     return found, errors
+
+
+def asset_bakes(scene: bpy.types.Scene, names: Sequence[str], bake: str) -> dict[str, Path]:
+    """The sidecars of the assets that chosen objects make by touching, by the objects' names.
+
+    These go before bakes of the objects by themselves. Objects whose asset was not baked are missing; there
+    are none if `bake` is a sidecar.
+    """
+    from ...core.errors import RadTexError
+    from ...formats.sidecar import file_name
+    from ...formats.sidecar_file import read_facts
+    from ..settings.baked_groups import baked_groups
+
+    if len(names) < 2 or Path(bake).suffix == ".json":
+        return {}
+    found: dict[str, Path] = {}
+    for values, group, is_asset in baked_groups(scene, names):
+        if not is_asset:
+            continue
+        try:
+            place = bake_location(scene, bake, group[0])
+            sidecar = place / file_name(values["atlas_name"], values["kind"], "json")
+            if sidecar.is_file():
+                inside = read_facts(sidecar).texts("objects")
+                found |= {name: sidecar for name in group if name in inside}
+        except RadTexError:  # which the look for a bake of each will raise
+            continue
+    return found

@@ -54,6 +54,7 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
 
     if TYPE_CHECKING:  # types of the properties that Blender creates from the annotations below
         object: str
+        objects: str
         wait: bool
         show_object: bool
         only: str
@@ -66,6 +67,11 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
             name="Object",
             description="Name of the object to bake. Left empty, what the panel has chosen is baked",
             options={"SKIP_SAVE"},
+        )
+        objects: StringProperty(
+            name="Objects",
+            description="Names of the objects to bake, a line each, where that is more than one",
+            options={"SKIP_SAVE", "HIDDEN"},
         )
         wait: BoolProperty(
             name="Wait",
@@ -167,7 +173,7 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
             names = self._names(scene, layer, at_once)
             if self.show_object and self.only == "all":
                 _show_objects(scene, names)
-            if not self.object:
+            if not self._are_named:
                 names = self._bakeable(scene, names, at_once)
             plans = self._plans(scene, names)
             if self.show_object and self.only != "all":
@@ -191,10 +197,15 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
         """The objects to bake. Raises InputError if they are not those that are `expected`."""
         from ...core.errors import InputError
 
-        names = (self.object,) if self.object else chosen_names(scene, layer)
+        named = (self.object,) if self.object else tuple(self.objects.splitlines())
+        names = named or chosen_names(scene, layer)
         if self.expected and self.expected != told_names(names):
             raise InputError("other objects are chosen by now: look at the panel, and press again")
-        return names if self.object or at_once else _free(scene, names)
+        return names if named or at_once else _free(scene, names)
+
+    @property
+    def _are_named(self) -> bool:
+        return bool(self.object or self.objects)
 
     def _bakeable(self, scene: bpy.types.Scene, names: tuple[str, ...], at_once: bool) -> tuple[str, ...]:
         """Those that can be baked; reports why the others are left out. Raises InputError if none can."""
@@ -230,20 +241,20 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
                 self.report({"INFO"}, remark(told))
 
     def _plans(self, scene: bpy.types.Scene, names: Sequence[str], *, guess: bool = False) -> list[BakePlan]:
-        """A plan for each group of objects that are baked by the same settings. Raises InputError.
+        """A plan for each group of objects that are baked by one request. Raises InputError.
 
         With `guess` no object is evaluated: see `plan_bakes`.
         """
         from ...core.errors import InputError
         from ...job.bake_plan import plan_bakes
         from ..panel.request_checks import all_finished, check_left
-        from ..settings.object_settings import by_settings
+        from ..settings.baked_groups import baked_groups
         from ..settings.request import request_of
 
         if not names:
             raise InputError(nothing_chosen(scene))
-        groups = by_settings(scene, names)
-        requests = [request_of(self._values(settings), group) for settings, group in groups]
+        groups = baked_groups(scene, names, self._values)
+        requests = [request_of(group.values, group.names) for group in groups]
         if self.only != "all":
             requests = [_of_changed(request, surroundings=self.only == "affected") for request in requests]
         if self.overwrite_any:
@@ -253,7 +264,7 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
         plans = [plan_bakes(scene, request, guess=guess) for request in requests]
         _check_begun(plans)
         if len(plans) > 1:  # resuming a group that is done would be refused
-            plans = [plan for plan in plans if not (plan.request.resume and _is_done(plan))]
+            plans = [plan for plan in plans if not (plan.request.resume and plan.is_done)]
             if not plans:
                 raise all_finished("objects")
         check_left([plan for plan in plans if not plan.request.only_changed])
@@ -317,14 +328,6 @@ def _check_begun(plans: Sequence[BakePlan]) -> None:
         )
 
 
-def _is_done(plan: BakePlan) -> bool:
-    """Whether all its bakes are finished, by the same settings and with all that is made of them."""
-    from ...job.variants import not_whole
-
-    request = plan.request
-    return not not_whole(tuple(plan.choices), request.folder, request.saves_preview, request.exports)
-
-
 def _free(scene: bpy.types.Scene, names: tuple[str, ...]) -> tuple[str, ...]:
     """Those of the names that are not being baked by a worker; all if all are, so that this is refused.
 
@@ -334,7 +337,8 @@ def _free(scene: bpy.types.Scene, names: tuple[str, ...]) -> tuple[str, ...]:
     from ..settings.object_settings import settings_for
 
     settings = {name: settings_for(scene, name) for name in names}
-    free = (name for name in names if settings[name].together or not is_being_baked(name, settings[name]))
+    stay = {name for name in names if settings[name].together == "one"}
+    free = (name for name in names if name in stay or not is_being_baked(name, settings[name]))
     return tuple(free) or names
 
 

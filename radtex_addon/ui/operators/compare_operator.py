@@ -14,7 +14,7 @@ from bpy.props import FloatVectorProperty, IntProperty
 
 from ..jobs import jobs
 from ..panel.labels import remark
-from .bake_lookup import bake_called, bake_location, originals
+from .bake_lookup import asset_bakes, bake_called, bake_location, originals
 from .bake_operator import shown
 from .operator_mixins import AsksFirst, MayWait, OfBake
 
@@ -123,6 +123,9 @@ class RADTEX_OT_compare(AsksFirst, MayWait, OfBake, bpy.types.Operator):
         if all(map(is_on, items)):
             return dict.fromkeys(items), None
         place = bake_location(scene, bake, items[0].name)
+        assets = asset_bakes(scene, [item.name for item in items], bake)
+        if len(assets) == len(items) and len(set(assets.values())) == 1:
+            place = assets[items[0].name]  # whose objects may also have bakes of their own in the folder
         return bakes_of(items, place), place
 
     def _compare(self, scene: bpy.types.Scene, bakes: _Bakes, eye: Viewpoint, spec: ComparisonSpec) -> None:

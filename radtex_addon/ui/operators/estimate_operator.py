@@ -57,8 +57,8 @@ def _bakes(scene: bpy.types.Scene, names: tuple[str, ...]) -> list[Bake]:
     from ...core.errors import InputError
     from ..panel.layouts import chosen_layouts
     from ..panel.request_checks import sort_out
-    from ..settings.object_settings import by_settings
-    from ..settings.request import spec_of, values_of
+    from ..settings.baked_groups import baked_groups
+    from ..settings.request import spec_of
 
     if not names:
         raise InputError(nothing_chosen(scene))
@@ -66,8 +66,7 @@ def _bakes(scene: bpy.types.Scene, names: tuple[str, ...]) -> list[Bake]:
     if not found.kept:
         raise InputError.of(found.left_out[0].why)
     bakes: list[Bake] = []
-    for settings, group in by_settings(scene, found.kept):
-        values = values_of(settings)
+    for values, group, _ in baked_groups(scene, found.kept):
         spec = spec_of(values)
         if spec.split is not None:
             raise InputError("only the time of whole objects is estimated: choose no Split")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from ..jobs import jobs
 from ..settings.object_settings import settings_for
-from .bake_lookup import bake_location, originals, sharing
+from .bake_lookup import asset_bakes, bake_location, originals, sharing
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -36,10 +36,15 @@ def export_sources(
     `bake` is their folder, or a sidecar; the scene's output folder if it is empty. Parts and variants are
     bakes of their own. Raises RadTexError if one of the objects has no bake.
     """
+    from ...export.exporting import ExportSource
+
     names = [item.name for item in originals(layer, name, scene, bake)]
     if sharing(layer, name, scene, bake):
         names = [name]
-    found = [source for called in names for source in _sources_of(scene, called, bake)]
+    assets = asset_bakes(scene, names, bake)
+    found = [ExportSource.of(sidecar) for sidecar in dict.fromkeys(assets.values())]
+    alone = (called for called in names if called not in assets)
+    found += [source for called in alone for source in _sources_of(scene, called, bake)]
     return list({source.sidecar.path: source for source in found}.values())  # objects may share an atlas
 
 

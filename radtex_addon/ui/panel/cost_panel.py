@@ -38,7 +38,7 @@ class RADTEX_PT_cost(Sidebar, bpy.types.Panel):
         if found is None or found.cost is None:
             layout.label(text="Not known for these settings" if found is not None else "Working it out")
             return
-        if len(found.objects) > 1:
+        if found.atlases > 1:
             layout.label(text="For each object, at most:")
         for label, value in figures(found.cost):
             _draw_figure(layout, label, value)

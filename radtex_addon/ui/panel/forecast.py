@@ -6,13 +6,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import bpy
 
 from ..settings.chosen_objects import chosen_by, chosen_names
 from .not_baked import not_baked
-from .panel_state import Forecast, Next
+from .panel_state import Forecast, Next, ShownAsset
 
 if TYPE_CHECKING:
     from ...job.bake_request import BakeRequest
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from ...settings.cost import Cost
     from ...settings.estimate import Basis
     from ...settings.spec import BakeSpec
+    from ..settings.baked_groups import BakedGroup
     from .layouts import Chosen
 
 _PATIENCE = 0.05  # seconds that examining the objects may take
@@ -30,8 +31,8 @@ def compute_forecast(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) ->
     from ...core.messages import Message, Setting, do
     from ...preview.swap import is_on
     from ..jobs.jobs import is_being_baked, look_at_files
-    from ..settings.object_settings import by_settings, settings_for
-    from ..settings.request import values_of
+    from ..settings.baked_groups import baked_groups
+    from ..settings.object_settings import settings_for
     from .request_checks import sort_out
 
     look_at_files()
@@ -42,9 +43,9 @@ def compute_forecast(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) ->
         return _of_none(scene, view_layer, chosen, left_out)
     busy = tuple(name for name in names if is_being_baked(name, settings_for(scene, name)))
     free = tuple(name for name in names if name not in busy)
-    groups = [(values_of(settings), group) for settings, group in by_settings(scene, free or names)]
+    groups = baked_groups(scene, free or names)
     patience = _PATIENCE / len(groups)
-    found = _joined([_of_group(scene, group, values, patience) for values, group in groups])
+    found = _joined([_of_group(scene, group, patience) for group in groups])
     if any(not settings_for(scene, name).atlas_layout for name in names):
         told = Message("the storage that an earlier version of RadTex kept in this file is no longer there")
         told = replace(told, remedies=(do("Automatic is used; choose one", Setting.LAYOUT),))
@@ -64,10 +65,11 @@ def _of_none(
 ) -> Forecast:
     """The forecast where none of the chosen objects can be baked: the reasons are errors."""
     from ...job.left_out import reasons
+    from ..settings.baked_groups import BakedGroup
     from ..settings.object_settings import settings_for
     from ..settings.request import values_of
 
-    found = _of_group(scene, (), values_of(settings_for(scene, chosen[0])), _PATIENCE)
+    found = _of_group(scene, BakedGroup(values_of(settings_for(scene, chosen[0])), ()), _PATIENCE)
     errors = dict.fromkeys((*found.errors, *reasons(left_out)))
     others = not_baked(_selected(scene, view_layer))
     return replace(found, objects=chosen, errors=tuple(errors), next=Next.NOTHING, not_baked=others)
@@ -81,25 +83,26 @@ def _selected(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Sequen
     return list(view_layer.objects.selected) or ([active] if active is not None else [])
 
 
-def _of_group(
-    scene: bpy.types.Scene, names: Sequence[str], values: dict[str, Any], patience: float
-) -> Forecast:
-    """The forecast of objects that are baked by the same settings."""
+def _of_group(scene: bpy.types.Scene, group: BakedGroup, patience: float) -> Forecast:
+    """The forecast of objects that are baked by one request."""
     from ...core.errors import InputError
     from ..jobs import estimates
     from ..settings.request import has_folder, request_of, spec_of
     from .atlas_sizes import told_sizes
     from .layouts import chosen_layouts, told_layouts
 
-    values = values | {"overwrite": False, "resume": False}  # the panel's buttons decide that
-    objects = tuple(names)
+    names = group.names
+    values = group.values | {"overwrite": False, "resume": False}  # the panel's buttons decide that
     try:
         asked = spec_of(values)
         chosen = chosen_layouts(scene, names, values, asked, patience)
     except InputError as error:
-        return Forecast(objects, (error.message,))
+        return Forecast(names, (error.message,))
     spec, cost = _dearest(chosen)
-    found = Forecast(objects, (), (), spec, cost, layout=told_layouts(values, chosen))
+    found = Forecast(names, (), (), spec, cost, layout=told_layouts(values, chosen), atlases=group.atlases)
+    if group.is_asset:
+        asset = ShownAsset(values["atlas_name"], len(names), chosen[0][1].spec.texels)
+        found = replace(found, assets=(asset,))
     if names and asked.split is None and (len(chosen) >= len(names) or chosen[0][1].spec.objects):
         known = estimates.seconds_known(scene, [(name, choice.spec) for name, choice in chosen if name])
         if known is not None:
@@ -207,6 +210,8 @@ def _joined(groups: Sequence[Forecast]) -> Forecast:
         done=sum(group.done for group in groups),
         layout="",
         sizes=tuple(line for group in groups for line in group.sizes),
+        assets=tuple(asset for group in groups for asset in group.assets),
+        atlases=sum(group.atlases for group in groups),
     )
 
 

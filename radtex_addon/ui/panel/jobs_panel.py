@@ -108,22 +108,34 @@ def _draw_job(column: Any, job: Job) -> None:
         row = column.row(align=True)
         row.label(text=phrase(job), icon="BLANK1", translate=False)
         if _can_resume(job, jobs.snapshot()):
-            again = row.operator("radtex.bake", text="Resume", icon="PLAY")
-            again.object, again.part, again.resume = job.object, job.order.part, True
-            again.overwrite = False
+            _ask_to_resume(row.operator("radtex.bake", text="Resume", icon="PLAY"), job)
     if job.state == "failed":
         draw_text(column, remark(job.message, job.out), "BLANK1")
         column.operator("radtex.copy_report", icon="COPYDOWN").number = job.number
     _draw_warnings(column, job)
 
 
+def _ask_to_resume(button: Any, job: Job) -> None:
+    """Let the operator go on with the job's bake: of its object, or of those that share its atlas."""
+    order = job.order
+    button.part, button.resume, button.overwrite = order.part, True, False
+    if not order.shared:
+        button.object = job.object
+        return
+    button.objects = "\n".join(order.shared)
+    button.together, button.atlas_name = "one", job.object
+    spec = order.facts["spec"]
+    if spec["density"] is None:  # it has more texels than its objects by themselves
+        button.texels = spec["texels"]
+
+
 def _can_resume(job: Job, others: Iterable[Job]) -> bool:
     """Whether to offer to go on with a bake that was cancelled or failed.
 
     Not once a later job has gone on with it or replaced it, nor while another file is open, whose object of
-    that name would be baked; nor for several objects, for the operator takes one name.
+    that name would be baked.
     """
-    if job.work != "bake" or job.order.shared or _is_of_other_file(job):
+    if job.work != "bake" or _is_of_other_file(job):
         return False
     return not any(other.number > job.number and _subject(other) == _subject(job) for other in others)
 

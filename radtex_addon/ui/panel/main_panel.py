@@ -22,6 +22,7 @@ from .labels import capitalized, duration, iface_, size
 from .panel_state import Forecast, Next, cached_forecast
 
 _PRESETS_IN_A_ROW = 3
+_ASSETS = 4  # lines on them
 
 
 class Sidebar:
@@ -52,6 +53,7 @@ class RADTEX_PT_bake(Sidebar, bpy.types.Panel):
         if found is None:
             return
         layout.label(text=time_and_size(found), translate=False)
+        _draw_assets(layout, settings, found)
         for line in what_is_there(found):
             draw_text(layout, line, "INFO")
         draw_remarks(layout, cast(bpy.types.Scene, context.scene), settings, found)
@@ -73,12 +75,33 @@ def time_and_size(found: Forecast) -> str:
     if found.cost is None:
         return ""
     told = iface_("at most {}").format(size(found.cost.gpu))
-    if len(found.objects) > 1:
+    if found.atlases > 1:
         told = iface_("at most {} each").format(size(found.cost.gpu))
     if found.seconds is not None:
         about = iface_("about {}, {}") if found.basis in ("baked", "measured") else iface_("roughly {}, {}")
         told = about.format(duration(found.seconds), told)
     return capitalized(told)
+
+
+def told_assets(found: Forecast) -> list[str]:
+    """A line for each group of objects that are baked as one because they touch."""
+    told = iface_("{} objects that touch are one asset, {}: {} × {} texels")
+    shown = [
+        told.format(each.objects, each.name, each.texels, each.texels) for each in found.assets[:_ASSETS]
+    ]
+    if more := len(found.assets) - len(shown):
+        shown.append(iface_("and {} more").format(more))
+    return shown
+
+
+def _draw_assets(layout: Any, settings: BakeSettings, found: Forecast) -> None:
+    """Say which objects are baked as one because they touch, and offer to choose otherwise, or to go back."""
+    if not found.assets and (len(found.objects) < 2 or settings.together != "off"):
+        return
+    box = layout.box()
+    for line in told_assets(found):
+        draw_text(box, line, "LINKED")
+    box.prop(settings, "together")
 
 
 def what_is_there(found: Forecast) -> list[str]:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
 from time import monotonic
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 import bpy
 from bpy.app.handlers import persistent
@@ -40,6 +40,14 @@ class Next(StrEnum):
     NOTHING = "nothing"  # errors, or no object
 
 
+class ShownAsset(NamedTuple):
+    """An asset that is baked as one: its name, how many objects it has, and the texels along a side."""
+
+    name: str
+    objects: int
+    texels: int
+
+
 @dataclass(frozen=True)
 class Forecast:
     """What to expect of a bake of the chosen objects, and the most that any of them costs.
@@ -51,9 +59,10 @@ class Forecast:
     `unfinished` those of them that are there, `done` the finished ones that have these settings. `busy` are
     the objects that are being baked; the other fields are of the others. `shown` are the objects whose bake
     is shown in their place. `layout` describes the automatically chosen layout and the reason; empty if the
-    user chose the layout. `sizes` are lines on the size of each atlas, if that follows from a texel density.
-    `not_baked` names selected objects that are no meshes, `left_out` meshes that cannot be baked where others
-    can.
+    user chose the layout. `assets` are objects that touch and share an atlas; all objects have so many
+    `atlases`, without counting parts and variants. `sizes` are lines on the size of each atlas, if that
+    follows from a texel density. `not_baked` names selected objects that are no meshes, `left_out` meshes
+    that cannot be baked where others can.
     """
 
     objects: tuple[str, ...]
@@ -76,6 +85,8 @@ class Forecast:
     left_out: tuple[LeftOut, ...] = ()
     layout: str = ""
     sizes: tuple[str, ...] = ()
+    assets: tuple[ShownAsset, ...] = ()
+    atlases: int = 1
 
     @property
     def chosen(self) -> tuple[str, ...]:

@@ -133,7 +133,7 @@ def _draw_parts(column: Any, settings: BakeSettings, several: bool) -> None:
     """Draw how surfaces are assigned to atlases; a shared one needs `several` objects."""
     if several and Kind(settings.kind).traits.shared_atlas:
         column.prop(settings, "together")
-        if settings.together:
+        if settings.together == "one":
             column.prop(settings, "atlas_name")
     column.prop(settings, "split")
     if settings.split == "material":

@@ -139,7 +139,7 @@ def _content_of(values: Mapping[str, Any]) -> str | None:
 def shared_name(values: Mapping[str, Any], kind: Kind) -> str | None:
     """Name of the atlas that all objects share; None if each object has its own."""
     name: str = values["atlas_name"]
-    return name if values["together"] and kind.traits.shared_atlas else None
+    return name if values["together"] == "one" and kind.traits.shared_atlas else None
 
 
 def request_of(values: Mapping[str, Any], names: Sequence[str]) -> BakeRequest:
