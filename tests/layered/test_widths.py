@@ -72,6 +72,19 @@ def test_what_paths_do_not_show_is_not_believed() -> None:
         assert lobes.image(_RAYS.plan, {}) is None
 
 
+def test_what_is_fitted_is_kept_where_it_tells_more() -> None:
+    """Of a roughness that is unsure of every second texel, where the paths of neighbours tell as well."""
+    left = np.arange(_TEXELS) % SIDE < SIDE // 2
+    wide = np.where(left, 0.03, 0.2)
+    told = _as_log2(np.where(_CHECKER, 0.08, wide))
+    neighbours, paths = Neighbours(_RAYS.plan), _paths(wide)
+    only = fit_lobes(paths, _ONE, neighbours, vary=False, evaluated=told)
+    assert only.evaluated.all()
+    both = fit_lobes(paths, _ONE, neighbours, vary=True, evaluated=told)
+    assert not both.evaluated.any()
+    assert (both.width[~left] > 10 * both.width[left].mean()).mean() > 0.8  # but at the border
+
+
 def _fine(values: Floats | Ints) -> Floats:
     """An image of texels' values (K,), four times as fine."""
     image: Floats = values.reshape(SIDE, SIDE, 1).repeat(4, axis=0).repeat(4, axis=1).astype(np.float32)

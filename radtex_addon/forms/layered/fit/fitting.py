@@ -76,16 +76,8 @@ def fit_layered(
     if not parts.second_lobe:
         materials = tuple(map(_single, materials))
     surface = Surface(
-        grid,
-        normal,
-        irradiance * colour,
-        falloff,
-        tint,
-        lobes.width,
-        capture.material,
-        materials,
-        around,
-        free,
+        grid, normal, irradiance * colour, falloff, tint,
+        lobes.width, capture.material, materials, around, free,
     )  # fmt: skip
     yield Progress(Stage.FIT, 3, _STEPS)
     found = fit_buckets(surface, own, light, used, parts, known)

@@ -74,18 +74,18 @@ def fit_lobes(
     not fitted unless they may `vary`, and all 1 where they hardly differ.
     """
     count = int(material.max()) + 1
-    width = fit_widths(paths, neighbours)
-    if not vary or np.log(width).std() / 2 < _VARIES:
-        width = np.ones_like(width)
+    width = _fitted(paths, neighbours, vary)
     usual, taken = np.zeros(count, np.float32), np.zeros(count, bool)
     if evaluated is not None:
+        halves = paths.some(np.arange(0, len(paths.texel), 2)), paths.some(np.arange(1, len(paths.texel), 2))
+        rival = _fitted(halves[0], neighbours, vary)
         for number in range(count):
             own = material == number
             if not np.isfinite(evaluated[own]).any():
                 continue
             usual[number] = np.nanmean(evaluated[own])
             relative = _relative(evaluated, usual[number])
-            taken[number] = _foretells(paths, number, 2**relative)
+            taken[number] = _foretells(halves, number, 2**relative, rival)
             if taken[number]:
                 width[own] = 2 ** relative[own]
     if np.ptp(width) > 0:
@@ -99,19 +99,27 @@ def _relative(evaluated: Floats, usual: Floats) -> Floats:
     return found
 
 
-def _foretells(paths: Paths, number: int, width: Floats) -> bool:
-    """Whether a material's paths are likelier with its texels' lobes so much wider, (K,), than all alike.
+def _fitted(paths: Paths, neighbours: Neighbours, vary: bool) -> Floats:
+    """`fit_widths`, all 1 where widths may not `vary` or hardly differ."""
+    width = fit_widths(paths, neighbours)
+    return width if vary and np.log(width).std() / 2 >= _VARIES else np.ones_like(width)
 
-    Lobes are fitted to half of the paths, and asked for the other half.
+
+def _foretells(halves: tuple[Paths, Paths], number: int, width: Floats, rival: Floats) -> bool:
+    """Whether a material's paths are likelier with its texels' lobes so much wider, (K,), than alike.
+
+    Or than with those of a `rival` (K,). Lobes are fitted to half of the paths, and asked for the other half.
     """
-    own = np.flatnonzero(paths.material == number)
-    if not len(own) or np.log(width[paths.texel[own]]).std() / 2 < _VARIES:
+    known, asked = (half.some(np.flatnonzero(half.material == number)) for half in halves)
+    if not len(known.texel) or np.log(width[known.texel]).std() / 2 < _VARIES:
         return False
-    known, asked = paths.some(own[::2]), paths.some(own[1::2])
-    (alike,) = fit_materials(replace(known, material=0 * known.material), 1)
-    (varied,) = fit_materials(replace(known, material=0 * known.material, width=width[known.texel]), 1)
-    varied_likelihood = likelihood(varied, replace(asked, width=width[asked.texel]))
-    return varied_likelihood > likelihood(alike, asked) + _GAIN
+    told = []
+    rivals = [np.ones_like(width), *([rival] if np.ptp(rival) > 0 else [])]
+    for one in (width, *rivals):
+        half = replace(known, material=0 * known.material, width=one[known.texel])
+        (lobes,) = fit_materials(half, 1)
+        told.append(likelihood(lobes, replace(asked, width=one[asked.texel])))
+    return told[0] > max(told[1:]) + _GAIN
 
 
 def fit_widths(paths: Paths, neighbours: Neighbours) -> Floats:
