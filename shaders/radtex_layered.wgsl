@@ -332,7 +332,7 @@ fn radtex_own(uv: vec2f, place: vec2f) -> vec4f {
 // How much the object leaves free of its surroundings, as a lobe of that width² sees it; `kept` is as cells see it.
 fn radtex_free(kept: f32, width: f32) -> f32 {
     let side = clamp(2.0 * kept - 1.0, -1.0, 1.0);
-    let sharper = side * max(2.56 / f32(RADTEX_OWN_CELLS) * inverseSqrt(width + 0.0016), 1.0);
+    let sharper = side * max(5.0 / f32(RADTEX_OWN_CELLS) * inverseSqrt(width + 0.0016), 1.0);
     return 0.5 + 0.5 * sharper * inverseSqrt(1.0 - side * side + sharper * sharper);
 }
 

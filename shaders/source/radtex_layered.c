@@ -608,7 +608,7 @@ vec4 radtex_own(vec2 uv, vec2 place) {
 // How much the object leaves free of its surroundings, as a lobe of that width² sees it; `kept` is as cells see it.
 float radtex_free(float kept, float width) {
     float side = clamp(2.0 * kept - 1.0, -1.0, 1.0);
-    float sharper = side * max(2.56 / float(RADTEX_OWN_CELLS) * inversesqrt(width + 0.0016), 1.0);
+    float sharper = side * max(5.0 / float(RADTEX_OWN_CELLS) * inversesqrt(width + 0.0016), 1.0);
     return 0.5 + 0.5 * sharper * inversesqrt(1.0 - side * side + sharper * sharper);
 }
 

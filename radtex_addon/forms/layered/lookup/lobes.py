@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A material's lobes and falloffs by N.V, as they are looked up; and what a lobe sees past the object.
 
-Kept is a picture of what the object leaves free, blurred as wide as its cells. A sharp lobe needs a sharper
+Kept is a picture of what the object leaves free, blurred by its cells and by buckets that are pooled. A sharp lobe needs a sharper
 edge: where the edge is straight, blurring a half-space by a lobe of another width changes F(d / s) into
 F(d / t), where F(x) = 1/2 + x / (2 sqrt(2 + x²)).
 """
@@ -16,7 +16,7 @@ import numpy as np
 
 from ....core.arrays import Floats, Ints
 
-_KEPT = 2.56  # the kept mask's own blur, times the number of its cells along a side, radians
+_KEPT = 5.0  # the blur of the kept mask, pooled over buckets, times its cells along a side, radians
 _EDGE = 0.04  # the sharpest edge that is shown, radians: cells do not tell where it is any better
 _LEAST_WEIGHT = 1e-9
 LOWEST = 0.01  # the sine above the surface of the lowest mirror direction, as in Cycles

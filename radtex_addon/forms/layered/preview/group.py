@@ -24,7 +24,7 @@ from .through import through_group
 CURVES = "curves"  # the image of `curves_of`
 SHOWS_THROUGH = bpy.app.version >= (5, 0)  # else the nodes overflow the stack of 4.5's Cycles
 _STEEP, _LEAST_COSINE, _LEAST_LEFT = 0.3, 1e-3, 0.5  # as in lookup.atlas
-_KEPT, _EDGE = 2.56, 0.04  # as in lookup.lobes
+_KEPT, _EDGE = 5.0, 0.04  # as in lookup.lobes
 
 _Images = Mapping[str, bpy.types.Image]
 
