@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A material's lobes and falloffs by N.V, as they are looked up; and what a lobe sees past the object.
 
-Kept is a picture of what the object leaves free, blurred by its cells and by buckets that are pooled. A sharp lobe needs a sharper
-edge: where the edge is straight, blurring a half-space by a lobe of another width changes F(d / s) into
-F(d / t), where F(x) = 1/2 + x / (2 sqrt(2 + x²)).
+Kept is a picture of what the object leaves free, blurred by its cells and by buckets that are pooled. A sharp
+lobe needs a sharper edge: where the edge is straight, blurring a half-space by a lobe of another width
+changes F(d / s) into F(d / t), where F(x) = 1/2 + x / (2 sqrt(2 + x²)).
 """
 
 from __future__ import annotations
