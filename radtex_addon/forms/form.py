@@ -20,6 +20,7 @@ from ..formats.image_files import Shapes
 from ..formats.json_reader import Facts
 from ..formats.sidecar import Sidecar
 from ..formats.sidecar_file import SidecarFile
+from ..scene.image_materials import ImageMaterial
 from ..settings.cost import Cost
 from ..settings.forms import FormTraits
 from ..settings.spec import BakeSpec, Compression
@@ -100,6 +101,10 @@ class Form(Protocol):
 
     def material(self, of: PreviewOf) -> bpy.types.Material:
         """The material that shows a bake on its baked copy."""
+        ...
+
+    def materials(self, of: PreviewOf, images: Mapping[int, ImageMaterial]) -> dict[int, bpy.types.Material]:
+        """Materials by number that show a bake by the object's own `images`; the others have `material`."""
         ...
 
     def script_node(self, tree: bpy.types.NodeTree, sidecar: SidecarFile) -> bpy.types.Node:

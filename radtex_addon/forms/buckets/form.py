@@ -26,6 +26,7 @@ from ...formats.sidecar_file import AnySidecar, SidecarFile
 from ...preview.material import preview_material
 from ...preview.node_group import check_previewable
 from ...preview.osl import add_osl_node
+from ...scene.image_materials import ImageMaterial
 from ...settings.cost import Cost, cost_of_images
 from ...settings.forms import BUCKETS, FormTraits
 from ...settings.kinds import KINDS, Kind, Light
@@ -71,6 +72,9 @@ class Buckets:
     def material(self, of: PreviewOf) -> bpy.types.Material:
         layout, atlas = layout_in(of.sidecar), of.sidecar.with_suffix(".exr")
         return preview_material(of.title, atlas, layout, of.uv_layer, of.filter, of.spec.half, of.hull)
+
+    def materials(self, of: PreviewOf, images: Mapping[int, ImageMaterial]) -> dict[int, bpy.types.Material]:
+        return {}
 
     def script_node(self, tree: bpy.types.NodeTree, sidecar: SidecarFile) -> bpy.types.Node:
         atlas = sidecar.path.with_suffix(".exr").absolute()

@@ -19,6 +19,7 @@ from ...formats.image_files import Shapes, layer_path
 from ...formats.json_reader import Facts
 from ...formats.sidecar import Sidecar
 from ...formats.sidecar_file import SidecarFile, opened
+from ...scene.image_materials import ImageMaterial
 from ...settings.cost import Cost, cost_of_images
 from ...settings.forms import LAYERED, FormTraits
 from ...settings.rays import coarser, finer
@@ -56,7 +57,11 @@ from .files.layered_files import read_layered, read_layered_sidecar
 from .hlsl import layered_lookup
 from .lookup.atlas import sample_layered
 from .lookup.blurred_levels import level_count
-from .preview.material import check_layered_previewable, preview_layered_material
+from .preview.material import (
+    check_layered_previewable,
+    preview_layered_material,
+    preview_materials_of_images,
+)
 from .preview.osl import add_layered_osl_node
 from .shader_values import exported_facts
 from .textures import check_layered_textures, flat_layered, own_texels, write_layered_textures
@@ -87,6 +92,9 @@ class Layered:
 
     def material(self, of: PreviewOf) -> bpy.types.Material:
         return preview_layered_material(of.title, of.sidecar, of.uv_layer, of.spec.half, of.hull)
+
+    def materials(self, of: PreviewOf, images: Mapping[int, ImageMaterial]) -> dict[int, bpy.types.Material]:
+        return preview_materials_of_images(of.title, of.sidecar, of.uv_layer, images, of.spec.half, of.hull)
 
     def script_node(self, tree: bpy.types.NodeTree, sidecar: SidecarFile) -> bpy.types.Node:
         return add_layered_osl_node(tree, opened(sidecar.path.absolute()))
