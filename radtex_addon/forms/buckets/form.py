@@ -117,6 +117,12 @@ class Buckets:
         facts = read_sidecar(sidecar)
         return _TEXEL * facts.width * facts.height
 
+    def own_images(self, sidecar: SidecarFile) -> tuple[int, ...]:
+        return ()
+
+    def material_count(self, sidecar: SidecarFile) -> int:
+        return 1
+
     def textures_of(self, facts: Facts, present: Collection[str]) -> tuple[str, ...]:
         kind = Sidecar.from_facts(facts).kind
         return (kind, *(layer for layer in facts.texts("layers") if layer in present))
@@ -129,7 +135,9 @@ class Buckets:
     def check_textures(self, sidecar: SidecarFile, spec: ExportSpec) -> None:
         check_buckets(sidecar, spec)
 
-    def write_textures(self, sidecar: SidecarFile, spec: ExportSpec, folder: Path) -> dict[str, TextureEntry]:
+    def write_textures(
+        self, sidecar: SidecarFile, spec: ExportSpec, folder: Path, images: bool = False
+    ) -> dict[str, TextureEntry]:
         return write_buckets(sidecar, spec, folder)
 
     def includes(self, bake: Mapping[str, Any]) -> tuple[str, ...]:
@@ -151,7 +159,7 @@ class Buckets:
         return [*defines(entry), *lookups]
 
     def shader_facts(
-        self, bake: Mapping[str, Any], textures: Mapping[str, TextureEntry]
+        self, bake: Mapping[str, Any], textures: Mapping[str, TextureEntry], images: bool = False
     ) -> dict[str, Any] | None:
         return None
 

@@ -43,6 +43,7 @@ from .files.arrangement import (
     EXIT_PLACE,
     IRRADIANCE,
     NORMAL,
+    OF_IMAGES,
     OWN,
     PICTURES,
     REST,
@@ -131,8 +132,16 @@ class Layered:
         shapes = read_layered_sidecar(sidecar).shapes
         return _VALUE * sum(width * height * channels for width, height, channels in shapes.values())
 
+    def own_images(self, sidecar: SidecarFile) -> tuple[int, ...]:
+        looks = read_layered_sidecar(sidecar).looks
+        return tuple(number for number, look in enumerate(looks) if look is not None)
+
+    def material_count(self, sidecar: SidecarFile) -> int:
+        return len(read_layered_sidecar(sidecar).materials)
+
     def textures_of(self, facts: Facts, present: Collection[str]) -> tuple[str, ...]:
-        return facts.texts("layers")
+        layers = facts.texts("layers")
+        return tuple(layer for layer in layers if layer in present or layer not in OF_IMAGES)
 
     def flat(self, sidecar: SidecarFile, surface: SurfaceMesh) -> Generator[ExportStep, None, Floats]:
         return flat_layered(sidecar, surface)
@@ -140,8 +149,10 @@ class Layered:
     def check_textures(self, sidecar: SidecarFile, spec: ExportSpec) -> None:
         check_layered_textures(sidecar, spec)
 
-    def write_textures(self, sidecar: SidecarFile, spec: ExportSpec, folder: Path) -> dict[str, TextureEntry]:
-        return write_layered_textures(sidecar, spec, folder)
+    def write_textures(
+        self, sidecar: SidecarFile, spec: ExportSpec, folder: Path, images: bool = False
+    ) -> dict[str, TextureEntry]:
+        return write_layered_textures(sidecar, spec, folder, OF_IMAGES if images else ())
 
     def includes(self, bake: Mapping[str, Any]) -> tuple[str, ...]:
         through = "through" in bake["layered"]
@@ -155,9 +166,9 @@ class Layered:
         ]
 
     def shader_facts(
-        self, bake: Mapping[str, Any], textures: Mapping[str, TextureEntry]
+        self, bake: Mapping[str, Any], textures: Mapping[str, TextureEntry], images: bool = False
     ) -> dict[str, Any] | None:
-        return exported_facts(bake, textures)
+        return exported_facts(bake, textures, images)
 
     def hlsl(
         self, bake: Mapping[str, Any], textures: Mapping[str, TextureEntry], target: Target
