@@ -177,8 +177,8 @@ def _add_textures(group: argparse._ArgumentGroup) -> None:
         "--image-limit",
         "image_limit",
         "PIXELS",
-        f"for {shown}, where a material's colour, metal, roughness and normal are images: the most pixels along "
-        "a side of these, which the export holds; 0: the bake's own maps instead",
+        f"for {shown}, where a material's colour, metal, roughness and normal are images: the most pixels "
+        "along a side of these, which the export holds; 0: the bake's own maps instead",
         IMAGE_LIMIT,
     )
 
