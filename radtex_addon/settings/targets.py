@@ -111,7 +111,7 @@ TARGETS: dict[Target, TargetTraits] = {
     Target.GODOT: TargetTraits(
         "Godot", "A project that opens and runs, and the addon by which any project shows bakes",
         help="a project", next_step="Open project.godot in Godot 4, and press F5",
-        formats=EVERY_FORMAT - {TextureFormat.EXR}, mirror=True,
+        formats=EVERY_FORMAT - {TextureFormat.EXR}, mirror=True, images=True,
         light_blocks=False,  # its Compatibility renderer may decompress BC6H to 8 bits
         ktx2_arrays=False, srgb=False, all_levels=True),
     Target.RAW: TargetTraits(

@@ -144,7 +144,7 @@ uniform sampler2D radtex_base_map;  // the base colour, its format sRGB
 uniform sampler2D radtex_metal_map;  // blue: metal
 uniform sampler2D radtex_bump_map;  // the normal map
 @in godot
-uniform sampler2D radtex_base_map : source_color, filter_linear_mipmap_anisotropic, repeat_enable, hint_default_white;
+uniform sampler2D radtex_base_map : filter_linear_mipmap_anisotropic, repeat_enable, hint_default_white;  // sRGB
 uniform sampler2D radtex_metal_map : filter_linear_mipmap_anisotropic, repeat_enable, hint_default_white;  // blue
 uniform sampler2D radtex_bump_map : filter_linear_mipmap_anisotropic, repeat_enable, hint_normal;
 @end
@@ -333,11 +333,15 @@ struct RadtexMaterial {
 @group(1) @binding(14) var radtex_distances_map: texture_2d<f32>;
 @in godot
 
+vec3 radtex_from_srgb(vec3 coded) {
+    vec3 curved = pow((coded + 0.055) / 1.055, vec3(2.4));
+    return mix(curved, coded / 12.92, lessThan(coded, vec3(0.04045)));
+}
+
 // What is fetched from a texture that holds sRGB.
 vec4 radtex_decoded(vec4 texel) {
 #ifdef RADTEX_SRGB
-    vec3 curved = pow((texel.rgb + 0.055) / 1.055, vec3(2.4));
-    return vec4(mix(curved, texel.rgb / 12.92, lessThan(texel.rgb, vec3(0.04045))), texel.a);
+    return vec4(radtex_from_srgb(texel.rgb), texel.a);
 #else
     return texel;
 #endif
@@ -675,6 +679,13 @@ RadtexLook radtex_look_of_images(int material, vec2 place, vec2 uv, vec3 T, vec3
     vec3 base = texture(radtex_base_map, place).rgb, bump = texture(radtex_bump_map, place).rgb;
     float metal = texture(radtex_metal_map, place).b;
 #endif
+@end
+@in godot
+    vec2 turn = 2.0 * bump.xy - 1.0;  // of what it imports as a normal map, Godot keeps two channels
+    bump.z = 0.5 + 0.5 * sqrt(max(1.0 - dot(turn, turn), 0.0));
+    base = radtex_from_srgb(base);  // Compatibility decodes no source_color
+@end
+@in glsl godot
     vec4 diffuse = radtex_images[3 * material], dull = radtex_images[3 * material + 1];
     vec4 shiny = radtex_images[3 * material + 2];
     return radtex_look_of(diffuse, dull, shiny, base, metal, bump, T, B, face, radtex_alpha(uv));

@@ -48,7 +48,7 @@ def texture_set(name: str = "Painted", shift: float = 0.0) -> bpy.types.Material
     shader = next(node for node in tree.nodes if node.type == "BSDF_PRINCIPLED")
     bump = squares((0.5, 0.5, 1.0), (0.62, 0.44, 0.97), 4)
     pictures = {
-        "colour": image(f"{name} colour", squares((0.85, 0.3, 0.2 + shift), (0.2, 0.45, 0.8)), colour=True),
+        "colour": image(f"{name} colour", squares((0.75, 0.45, 0.35 + shift), (0.4, 0.5, 0.7)), colour=True),
         "metal": image(f"{name} metal", squares((1.0, 0.4, 0.0), (1.0, 0.4, 1.0), 2)),
         "normal": image(f"{name} normal", bump),
     }
