@@ -94,7 +94,7 @@ def set_coordinates(mesh: Any, uv_layer: str, layers: Mapping[int, str]) -> None
     twin = twin_numbers(mesh)
     turned = np.ones(len(corner), np.float32) if twin is None else np.where(fronts(twin), 1, -1)
     tangent[shown] = (found * turned[:, None, None])[shown]
-    sign[shown] = np.where(signs < 0, -1.0, 1.0)[shown] * turned[shown, None]
+    sign[shown] = np.where(signs < 0, -1.0, 1.0)[shown]  # with the tangent, the bitangent turns, too
     mesh.attributes[TANGENT].data.foreach_set("vector", np.ascontiguousarray(tangent, np.float32).ravel())
     mesh.attributes[SIGN].data.foreach_set("value", np.ascontiguousarray(sign, np.float32).ravel())
     for name in [layer.name for layer in mesh.uv_layers]:

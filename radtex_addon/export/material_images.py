@@ -15,7 +15,7 @@ import numpy as np
 
 from ..core.arrays import Floats
 from ..core.errors import FormatError
-from ..formats.containers.png import encode_png
+from ..formats.containers.png import encode_png, without_colour_space
 from ..formats.disk.temporary import temporary_folder
 from ..scene.image_materials import ImageMaterial, ImageSource, pixels_of
 from ..scene.kept_images import kept_images, kept_number
@@ -130,6 +130,7 @@ def _picture(source: ImageSource, limit: int) -> Picture:
     data = _file_of(image) if max(cast(Any, image.size)) <= limit and not image.is_dirty else b""
     for beginning, mime in _BEGINNINGS.items():
         if data.startswith(beginning):
+            data = without_colour_space(data) if mime == _PNG else data
             return Picture(data, mime, image.name, source.wrap)
     data, mime = _made_anew(image, limit)
     return Picture(data, mime, image.name, source.wrap)

@@ -79,6 +79,19 @@ def crate(*materials: bpy.types.Material) -> Any:
     return box
 
 
+def bake_sheet(folder: Path) -> None:
+    """Bake a sheet that is seen from both sides, and save the scene beside."""
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    stage.hdri(stage.world())
+    bpy.ops.mesh.primitive_plane_add(size=2, rotation=(0.9, 0.3, 0.2))
+    sheet = context.object
+    sheet.name = NAME
+    sheet.data.uv_layers[0].name = UVS
+    sheet.data.materials.append(texture_set())
+    bake_object(context.scene, NAME, SPEC, folder, preview=Filter.QUADRILINEAR)
+    bpy.ops.wm.save_as_mainfile(filepath=str(folder / SCENE))
+
+
 def bake_crate(folder: Path, mixed: bool = False) -> None:
     """Bake it and save the scene beside; `mixed` gives a side a material that is no texture set."""
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)

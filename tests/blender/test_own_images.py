@@ -12,7 +12,7 @@ from typing import Any
 import bpy
 import numpy as np
 import pytest
-from mathutils import Vector
+from mathutils import Matrix, Vector
 
 from radtex_addon.bake.progress import finished
 from radtex_addon.core.arrays import Floats
@@ -29,7 +29,17 @@ from radtex_addon.forms.layered.files.sidecar import LayeredSidecar
 from radtex_addon.forms.layered.preview.material import preview_layered_material
 from radtex_addon.scene.image_materials import find_image_material
 from radtex_addon.textures.export_spec import ExportSpec, Target
-from tests.blender.image_stage import NAME, SCENE, SIDE, UVS, bake_crate, image, squares, texture_set
+from tests.blender.image_stage import (
+    NAME,
+    SCENE,
+    SIDE,
+    UVS,
+    bake_crate,
+    bake_sheet,
+    image,
+    squares,
+    texture_set,
+)
 from tests.blender.lookup_stage import set_up_render
 from tests.finished_bakes import finished_bake
 from tests.gltf_schema import problems
@@ -174,8 +184,8 @@ def test_only_some_materials_are_images(mixed: Path) -> None:
     assert second is None
 
 
-def shot(path: Path, name: str, material: bpy.types.Material | None = None) -> Floats:
-    """A side of the crate that the open file shows, square texture upright, by Cycles: (H, W, 3)."""
+def shot(path: Path, name: str, material: bpy.types.Material | None = None, behind: bool = False) -> Floats:
+    """A side of what the open file shows, from above or from `behind`, by Cycles: (H, W, 3)."""
     scene = context.scene
     item = scene.objects[name]
     if material is not None:
@@ -185,7 +195,9 @@ def shot(path: Path, name: str, material: bpy.types.Material | None = None) -> F
     data.type, data.ortho_scale = "ORTHO", 0.7
     camera = bpy.data.objects.new("Close", data)
     camera.matrix_world = item.matrix_world
-    camera.location = item.matrix_world @ Vector((0.1, 0.2, 3))
+    if behind:
+        camera.matrix_world = item.matrix_world @ Matrix.Rotation(np.pi, 4, "X")
+    camera.location = item.matrix_world @ Vector((0.1, 0.2, -3 if behind else 3))
     scene.collection.objects.link(camera)
     scene.camera = camera
     set_up_render(scene, "CYCLES")
@@ -215,6 +227,24 @@ def test_a_close_up_of_the_preview_is_as_sharp_as_the_images(baked: Path, tmp_pa
     print(f"by its images {ours:.1f} dB, by maps {by_maps:.1f} dB")
     assert ours > 24
     assert ours > by_maps + 1.5
+
+
+def test_a_normal_map_is_seen_from_behind_as_in_the_maps_that_cycles_renders(tmp_path: Path) -> None:
+    folder = finished_bake(tmp_path / "sheet", bake_sheet)
+    bpy.ops.wm.open_mainfile(filepath=str(folder / f"{NAME}.preview.blend"), load_ui=False)
+    ours = [shot(tmp_path / "images.exr", NAME, behind=behind) for behind in (False, True)]
+    maps = preview_layered_material("Maps", sidecar_of(folder), "RadTex", hull=True)
+    seen = [shot(tmp_path / "maps.exr", NAME, maps, behind=behind) for behind in (False, True)]
+    front, back = (psnr(one, other) for one, other in zip(ours, seen, strict=True))
+    print(f"front {front:.1f} dB, back {back:.1f} dB")
+    assert back > front - 1.1  # 1.6 dB less if a back's normal map is not turned
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    glb = Glb.read(exported(folder, tmp_path / "made").folder / f"{NAME}.glb")
+    (primitive,) = glb.document["meshes"][0]["primitives"]
+    tangent, normal = (glb.accessor(primitive["attributes"][name]) for name in ("TANGENT", "NORMAL"))
+    up = normal @ normal[0] > 0
+    sides = [np.unique(np.round(tangent[some], 3), axis=0) for some in (up, ~up)]
+    np.testing.assert_allclose(sides[0], -sides[1], atol=2e-3)  # both directions, and the sign
 
 
 def test_an_export_has_the_images_once_and_light_alone(baked: Path, tmp_path: Path) -> None:

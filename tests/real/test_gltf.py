@@ -57,8 +57,8 @@ def test_the_validator_finds_no_error_in_any_export(
         made = finished(export_steps(sidecars[kind], spec, tmp_path / name))
         files.append(made.folder / f"{made.name}.glb")
     for name, mixed in (("crate", False), ("mixed", True)):
-        bake = Bake(finished_bake(tmp_path / f"{name}-bake", bake_crate, mixed=mixed))
-        made = finished(export_steps(bake.sidecar, ExportSpec(Target.GLTF), tmp_path / name))
+        crate = Bake(finished_bake(tmp_path / f"{name}-bake", bake_crate, mixed=mixed))
+        made = finished(export_steps(crate.sidecar, ExportSpec(Target.GLTF), tmp_path / name))
         files.append(made.folder / f"{made.name}.glb")
     made = finished(export_scene_steps(room, ExportSpec(Target.GLTF), "Room", tmp_path / "room"))
     files.append(made.folder / "Room.glb")
