@@ -31,6 +31,7 @@ _ALIKE = (
 )  # one value each
 _CHANNELS = {"Red": 0, "Green": 1, "Blue": 2}
 _WHITE = (1.0, 1.0, 1.0)
+MOST = 4096  # pixels along a side that are looked at
 
 
 @dataclass(frozen=True)
@@ -275,8 +276,19 @@ def _active_layer(original: bpy.types.Object) -> str:
 
 
 def pixels_of(image: bpy.types.Image) -> Floats:
-    """An image's pixels as they are stored, (H, W, channels) float32, row 0 below; 0 x 0 if it is lost."""
+    """An image's pixels as they are stored, (H, W, channels) float32, row 0 below; 0 x 0 if it is lost.
+
+    One that is larger than MOST pixels along a side is scaled to that, so that it fits into memory.
+    """
     width, height = cast(Any, image.size)
+    if max(width, height) > MOST:
+        copy: Any = image.copy()
+        try:
+            share = MOST / max(width, height)
+            copy.scale(max(round(width * share), 1), max(round(height * share), 1))
+            return pixels_of(copy)
+        finally:
+            bpy.data.images.remove(copy)
     pixels = np.empty((height, width, image.channels), dtype=np.float32)
     if pixels.size:
         cast(Any, image.pixels).foreach_get(pixels.ravel())
