@@ -83,7 +83,9 @@ def set_coordinates(mesh: Any, uv_layer: str, layers: Mapping[int, str]) -> None
     light = _uv(mesh, uv_layer)
     first = light.copy()
     for each, layer in layers.items():
-        first[number == each] = _uv(mesh, layer)[number == each]
+        some = number == each
+        if some.any():  # a mesh that shares its atlas may lack the layers of others
+            first[some] = _uv(mesh, layer)[some]
     shown = np.isin(number, list(layers))
     place = values_in(mesh.vertices, "co", 3)
     corner = values_in(mesh.loops, "vertex_index", 1, np.int32).reshape(-1, 3)

@@ -74,17 +74,17 @@ def save_preview_of(
         for number, (title, there) in _baked(spec, files, prepared).items()
     }
     form = form_for(spec)
-    own: dict[int, bpy.types.Material] = {}
+    by_number: dict[int, bpy.types.Material] = {}
     if spec.split is None and spec.source is None:
         sets = image_materials((piece.original, piece.mesh) for piece in prepared.pieces)
-        own = form.materials(shown[None], sets) if sets else {}
+        by_number = form.materials(shown[None], sets) if sets else {}
     used = {number for piece in prepared.pieces for number in numbers_of_slots(piece.mesh).values()}
-    materials = {number: form.material(of) for number, of in shown.items() if not used <= own.keys()}
+    materials = {number: form.material(of) for number, of in shown.items() if not used <= by_number.keys()}
     stand_ins = []
     for piece, name in zip(prepared.pieces, spec.objects or (prepared.name,), strict=True):
         slots: tuple[bpy.types.Material | None, ...] = (materials.get(None),)
-        if own:
-            slots = _own_slots(piece.mesh, own, materials.get(None))
+        if by_number:
+            slots = _own_slots(piece.mesh, by_number, materials.get(None))
         if piece.part is not None:
             slots = tuple(materials.get(number, own) for number, own in _slots(piece.mesh, piece.part))
         if piece.single is not None:

@@ -222,7 +222,7 @@ def _relative_images(stand_ins: Sequence[StandIn]) -> Iterator[None]:
 
     If the open file was never saved, nothing can be relative to it; Blender then makes all paths relative.
     """
-    images = _images_shown(stand_ins)
+    images = _images_shown(stand_ins) - _images_of_originals(stand_ins)
     paths = {image: image.filepath_raw for image in images if not image.packed_file}
     try:
         if bpy.data.filepath:

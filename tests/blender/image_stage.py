@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, cast
 
@@ -89,6 +90,23 @@ def bake_sheet(folder: Path) -> None:
     sheet.data.uv_layers[0].name = UVS
     sheet.data.materials.append(texture_set())
     bake_object(context.scene, NAME, SPEC, folder, preview=Filter.QUADRILINEAR)
+    bpy.ops.wm.save_as_mainfile(filepath=str(folder / SCENE))
+
+
+def bake_pair(folder: Path) -> None:
+    """Bake two boxes, each of images on a UV layer of its own name, in one atlas."""
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    stage.hdri(stage.world())
+    names = []
+    for number, place in enumerate([(0, 0, 0), (2.2, 0.3, 0)]):
+        bpy.ops.mesh.primitive_cube_add(size=2, location=place)
+        box = context.object
+        box.name = f"{NAME} {number}"
+        box.data.uv_layers[0].name = f"{UVS} {number}"
+        box.data.materials.append(texture_set(f"Set {number}", 0.2 * number))
+        names.append(box.name)
+    spec = replace(SPEC, objects=tuple(names), texels=32)
+    bake_object(context.scene, NAME, spec, folder, preview=Filter.QUADRILINEAR)
     bpy.ops.wm.save_as_mainfile(filepath=str(folder / SCENE))
 
 

@@ -35,6 +35,7 @@ from tests.blender.image_stage import (
     SIDE,
     UVS,
     bake_crate,
+    bake_pair,
     bake_sheet,
     image,
     squares,
@@ -332,6 +333,26 @@ def test_by_material(mixed: Path, tmp_path: Path) -> None:
     assert ["radtex_images" in each for each in facts] == [True, False]
     other = glb.document["meshes"][0]["primitives"][1]["attributes"]
     np.testing.assert_array_equal(glb.accessor(other["TEXCOORD_0"]), glb.accessor(other["TEXCOORD_1"]))
+
+
+def test_objects_that_share_an_atlas_keep_their_own_images(tmp_path: Path) -> None:
+    folder = finished_bake(tmp_path / "pair", bake_pair)
+    bpy.ops.wm.open_mainfile(filepath=str(folder / f"{NAME}.preview.blend"), load_ui=False)
+    for number in range(2):
+        (slot,) = context.scene.objects[f"{NAME} {number}"].material_slots
+        images = {each.image.name for each in slot.material.node_tree.nodes if each.type == "TEX_IMAGE"}
+        assert images == {f"Set {number} {kind}" for kind in ("colour", "metal", "normal")}
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    made = exported(folder, tmp_path / "made")
+    whole = Glb.read(made.folder / f"{NAME}.glb").document
+    steps = export_scene_steps([sidecar_of(folder)], ExportSpec(Target.GLTF), "Hall", tmp_path / "scene")
+    scene = Glb.read(finished(steps).folder / "Hall.glb").document
+    for document in (whole, scene):
+        assert len(document["images"]) == 4  # the metal's and the normal's are the same
+        bases = [each["pbrMetallicRoughness"]["baseColorTexture"]["index"] for each in document["materials"]]
+        names = [document["images"][document["textures"][index]["source"]]["name"] for index in bases]
+        assert names == ["Set 0 colour", "Set 1 colour"]
+    assert len(scene["nodes"]) == 2
 
 
 def test_a_scene_has_them_too(baked: Path, tmp_path: Path) -> None:

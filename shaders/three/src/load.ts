@@ -15,6 +15,8 @@ import { RadTexObject } from "./radtex_object.js";
 import { sunUniforms } from "./sun.js";
 import type { BakeTexture } from "./textures.js";
 
+const IMAGES = 3; // of a material that is shown by its own
+
 type Textures = Map<string, BakeTexture>;
 
 export interface LoadOptions extends TextureOptions {
@@ -199,7 +201,10 @@ async function loadLamp(url: URL, main: Manifest, device: Device): Promise<Bake>
 /** Throws a Problem for more lamps than a shader of the device has textures for. */
 function checkCount(main: Manifest, lamps: readonly Bake[], device: Device): void {
   const manifests = [main, ...lamps.map(({ manifest }) => manifest)];
-  const count = manifests.reduce((sum, { shader }) => sum + (shader?.layers.length ?? 1), 0);
+  const count = manifests.reduce((sum, { shader, images }) => {
+    const replaced = images && !shader?.layers.includes("colour") ? IMAGES : 0;
+    return sum + replaced + (shader?.layers.length ?? 1);
+  }, 0);
   if (count <= device.mostTextures) return;
   throw new Problem(
     `${main.name} and ${lamps.length} lamps are ${count} textures in one shader; this device takes ${device.mostTextures}`,
