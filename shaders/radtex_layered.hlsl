@@ -384,19 +384,20 @@ struct RadtexLook {
     float opacity;
 };
 
-// That of a Principled BSDF whose maps are images, by what these hold at the place: base colour (linear), metal, and the
-// normal map. Each of three vectors of the material's has a colour: of diffuse light, of what is no metal, of metal; and
-// a number: what metal is multiplied by, the normal map's strength, and none. T and B are the tangents of the images'
+// That of a Principled BSDF whose maps are images, by what these hold at the place: base colour (linear), roughness and
+// metal, and the normal map. Each of three vectors of the material's has a colour: of diffuse light, of what is no metal,
+// of metal; and a number: what metal is multiplied by, the normal map's strength, and by how much roughness to the fourth
+// dims what is no metal. T and B are the tangents of the images'
 // texture coordinates, with the normal `face` interpolated but not normalised; `opacity` is radtex_alpha.
-RadtexLook radtex_look_of(float4 diffuse, float4 dull, float4 shiny, float3 base, float metal, float3 bump, float3 T,
+RadtexLook radtex_look_of(float4 diffuse, float4 dull, float4 shiny, float3 base, float2 rough, float3 bump, float3 T,
                           float3 B, float3 face, float opacity) {
-    float part = diffuse.a * metal;
+    float part = diffuse.a * rough.y, squared = rough.x * rough.x, fades = 1.0 - shiny.a * squared * squared;
     float3 turn = 2.0 * bump - 1.0, N = face * rsqrt(max(dot(face, face), 1e-12));
     float3 mapped = turn.x * T + turn.y * B + turn.z * face;
     mapped *= rsqrt(max(dot(mapped, mapped), 1e-12));
     RadtexLook look;
     look.colour = diffuse.rgb * base * (opacity * (1.0 - part));
-    look.tint = opacity * (dull.rgb * (1.0 - part) + shiny.rgb * base * part);
+    look.tint = opacity * (dull.rgb * (fades * (1.0 - part)) + shiny.rgb * base * part);
     look.normal = N + dull.a * (mapped - N);
     look.opacity = opacity;
     return look;

@@ -350,20 +350,23 @@ struct RadtexLook {
     opacity: f32,
 }
 
-// That of a Principled BSDF whose maps are images, by what these hold at the place: base colour (linear), metal, and the
-// normal map. Each of three vectors of the material's has a colour: of diffuse light, of what is no metal, of metal; and
-// a number: what metal is multiplied by, the normal map's strength, and none. T and B are the tangents of the images'
+// That of a Principled BSDF whose maps are images, by what these hold at the place: base colour (linear), roughness and
+// metal, and the normal map. Each of three vectors of the material's has a colour: of diffuse light, of what is no metal,
+// of metal; and a number: what metal is multiplied by, the normal map's strength, and by how much roughness to the fourth
+// dims what is no metal. T and B are the tangents of the images'
 // texture coordinates, with the normal `face` interpolated but not normalised; `opacity` is radtex_alpha.
-fn radtex_look_of(diffuse: vec4f, dull: vec4f, shiny: vec4f, base: vec3f, metal: f32, bump: vec3f, T: vec3f, B: vec3f,
-                  face: vec3f, opacity: f32) -> RadtexLook {
-    let part = diffuse.a * metal;
+fn radtex_look_of(diffuse: vec4f, dull: vec4f, shiny: vec4f, base: vec3f, rough: vec2f, bump: vec3f, T: vec3f,
+                  B: vec3f, face: vec3f, opacity: f32) -> RadtexLook {
+    let part = diffuse.a * rough.y;
+    let squared = rough.x * rough.x;
+    let fades = 1.0 - shiny.a * squared * squared;
     let turn = 2.0 * bump - 1.0;
     let N = face * inverseSqrt(max(dot(face, face), 1e-12));
     var mapped = turn.x * T + turn.y * B + turn.z * face;
     mapped *= inverseSqrt(max(dot(mapped, mapped), 1e-12));
     var look: RadtexLook;
     look.colour = diffuse.rgb * base * (opacity * (1.0 - part));
-    look.tint = opacity * (dull.rgb * (1.0 - part) + shiny.rgb * base * part);
+    look.tint = opacity * (dull.rgb * (fades * (1.0 - part)) + shiny.rgb * base * part);
     look.normal = N + dull.a * (mapped - N);
     look.opacity = opacity;
     return look;

@@ -101,7 +101,7 @@ class ImageCase:
             some = np.flatnonzero(at.material == number)
             frame = (at.tangent[some], at.bitangent[some], at.normal[some])
             alpha = alpha_at(atlas, at.uv[some])
-            seen = look_of_images(look, base[some], metal[some, 2], bump[some], frame, alpha)
+            seen = look_of_images(look, base[some], metal[some, 2], metal[some, 1], bump[some], frame, alpha)
             found[some] = sample_layered(atlas, _some(at, some), seen)
         return found
 
@@ -130,7 +130,7 @@ def image_case(name: str) -> ImageCase:
         return red, green, blue
 
     strengths = (1.0, 0.4)[: len(case.sidecar.materials)]
-    looks = tuple(ImageLook("UVMap", colour(), colour(), colour(), 0.9, each) for each in strengths)
+    looks = tuple(ImageLook("UVMap", colour(), colour(), colour(), 0.9, each, 0.7) for each in strengths)
     bump = normalised(_image(rng, 32, 3) - [0.5, 0.5, -0.3]) * 0.5 + 0.5
     images = {
         "radtex_base_map": _image(rng, 32, 3),

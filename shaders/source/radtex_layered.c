@@ -141,11 +141,11 @@ uniform vec4 radtex_images[3 * RADTEX_MATERIALS];  // as radtex_look_of takes th
 @end
 @in glsl
 uniform sampler2D radtex_base_map;  // the base colour, its format sRGB
-uniform sampler2D radtex_metal_map;  // blue: metal
+uniform sampler2D radtex_metal_map;  // green: roughness, blue: metal
 uniform sampler2D radtex_bump_map;  // the normal map
 @in godot
 uniform sampler2D radtex_base_map : filter_linear_mipmap_anisotropic, repeat_enable, hint_default_white;  // sRGB
-uniform sampler2D radtex_metal_map : filter_linear_mipmap_anisotropic, repeat_enable, hint_default_white;  // blue
+uniform sampler2D radtex_metal_map : filter_linear_mipmap_anisotropic, repeat_enable, hint_default_white;  // green, blue
 uniform sampler2D radtex_bump_map : filter_linear_mipmap_anisotropic, repeat_enable, hint_normal;
 @end
 @in glsl godot
@@ -650,19 +650,20 @@ struct RadtexLook {
     float opacity;
 };
 
-// That of a Principled BSDF whose maps are images, by what these hold at the place: base colour (linear), metal, and the
-// normal map. Each of three vectors of the material's has a colour: of diffuse light, of what is no metal, of metal; and
-// a number: what metal is multiplied by, the normal map's strength, and none. T and B are the tangents of the images'
+// That of a Principled BSDF whose maps are images, by what these hold at the place: base colour (linear), roughness and
+// metal, and the normal map. Each of three vectors of the material's has a colour: of diffuse light, of what is no metal,
+// of metal; and a number: what metal is multiplied by, the normal map's strength, and by how much roughness to the fourth
+// dims what is no metal. T and B are the tangents of the images'
 // texture coordinates, with the normal `face` interpolated but not normalised; `opacity` is radtex_alpha.
-RadtexLook radtex_look_of(vec4 diffuse, vec4 dull, vec4 shiny, vec3 base, float metal, vec3 bump, vec3 T, vec3 B,
+RadtexLook radtex_look_of(vec4 diffuse, vec4 dull, vec4 shiny, vec3 base, vec2 rough, vec3 bump, vec3 T, vec3 B,
     vec3 face, float opacity) {
-    float part = diffuse.a * metal;
+    float part = diffuse.a * rough.y, squared = rough.x * rough.x, fades = 1.0 - shiny.a * squared * squared;
     vec3 turn = 2.0 * bump - 1.0, N = face * inversesqrt(max(dot(face, face), 1e-12));
     vec3 mapped = turn.x * T + turn.y * B + turn.z * face;
     mapped *= inversesqrt(max(dot(mapped, mapped), 1e-12));
     RadtexLook look;
     look.colour = diffuse.rgb * base * (opacity * (1.0 - part));
-    look.tint = opacity * (dull.rgb * (1.0 - part) + shiny.rgb * base * part);
+    look.tint = opacity * (dull.rgb * (fades * (1.0 - part)) + shiny.rgb * base * part);
     look.normal = N + dull.a * (mapped - N);
     look.opacity = opacity;
     return look;
@@ -674,10 +675,10 @@ RadtexLook radtex_look_of(vec4 diffuse, vec4 dull, vec4 shiny, vec3 base, float 
 RadtexLook radtex_look_of_images(int material, vec2 place, vec2 uv, vec3 T, vec3 B, vec3 face) {
 #ifdef RADTEX_NO_DERIVATIVES
     vec3 base = textureLod(radtex_base_map, place, 0.0).rgb, bump = textureLod(radtex_bump_map, place, 0.0).rgb;
-    float metal = textureLod(radtex_metal_map, place, 0.0).b;
+    vec2 rough = textureLod(radtex_metal_map, place, 0.0).gb;
 #else
     vec3 base = texture(radtex_base_map, place).rgb, bump = texture(radtex_bump_map, place).rgb;
-    float metal = texture(radtex_metal_map, place).b;
+    vec2 rough = texture(radtex_metal_map, place).gb;
 #endif
 @end
 @in godot
@@ -688,7 +689,7 @@ RadtexLook radtex_look_of_images(int material, vec2 place, vec2 uv, vec3 T, vec3
 @in glsl godot
     vec4 diffuse = radtex_images[3 * material], dull = radtex_images[3 * material + 1];
     vec4 shiny = radtex_images[3 * material + 2];
-    return radtex_look_of(diffuse, dull, shiny, base, metal, bump, T, B, face, radtex_alpha(uv));
+    return radtex_look_of(diffuse, dull, shiny, base, rough, bump, T, B, face, radtex_alpha(uv));
 }
 #else
 @end

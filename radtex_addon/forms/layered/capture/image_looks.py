@@ -9,6 +9,7 @@ differ from what Cycles saw.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, cast
 
@@ -30,11 +31,12 @@ from ..lookup.images import Colour, ImageLook, normal_of_image
 from ..samples import LayeredSamples
 
 _LEAST = 8  # texels of a material, from which on its constants can be fitted
-_OFF = 0.04  # mean difference of colours to what Cycles saw, relative to their mean, plus
-_ANYWAY = 0.004
-_TURNED = 6.0  # degrees between normals, in the mean
+_SURE = 0.85  # of the texels
+_OFF, _ANYWAY = 0.15, 0.01  # how far these may be off what Cycles saw: times its mean, plus
+_TURNED = 10.0  # degrees between normals, likewise
+_ROUNDS = 3
 _USUAL = 0.04  # the glossy colour of a dielectric, to which few texels of it are drawn
-_DRAWN = 1e-3
+_DRAWN = 1e-5
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,19 +124,32 @@ def _tangents(surface: SurfaceMesh, uv: Floats) -> tuple[Floats, Floats]:
 
 
 def _fitted(material: ImageMaterial, texels: _Texels, mean: Floats) -> ImageLook | None:
-    """The look whose constants are nearest to what Cycles saw; None if it is another."""
+    """The look whose constants are nearest to what Cycles saw; None if it is another.
+
+    Some texels' rays meet what lies close above the surface: those that are furthest off count for nothing.
+    """
     base = _values(material.base_image, texels.uv, colour=True) * np.array(material.base)
     metal = material.metallic * _values(material.metallic_image, texels.uv)[:, :1]
-    dull = base * (1 - metal)
-    strong = (dull * dull).sum(axis=0)
-    diffuse = np.where(strong > 1e-9, (dull * texels.diffuse).sum(axis=0) / np.maximum(strong, 1e-9), 1.0)
-    dielectric, metallic = _glossy(1 - metal, base * metal, texels.glossy)
-    shown = (diffuse * dull, dielectric * (1 - metal) + metallic * base * metal)
-    if any(_differ(one, other) for one, other in zip(shown, (texels.diffuse, texels.glossy), strict=True)):
-        return None
+    bare, shiny = 1 - metal, base * metal
+    rough = material.roughness * _values(material.roughness_image, texels.uv)[:, :1]
+    fading = 0.0
+    kept = np.ones(len(base), dtype=bool)
+    off: Floats = np.zeros(len(base))
+    diffuse: Floats = np.ones(3)
+    dielectric = metallic = diffuse
+    for _ in range(_ROUNDS):
+        diffuse = _scale((base * bare)[kept], texels.diffuse[kept])
+        fading = _fading(bare[kept], shiny[kept], rough[kept], texels.glossy[kept])
+        dull = bare * (1 - fading * rough**4)
+        dielectric, metallic = _glossy([dull[kept], shiny[kept]], texels.glossy[kept])
+        off = np.abs(diffuse * base * bare - texels.diffuse).max(axis=1) / _tolerated(texels.diffuse)
+        also = np.abs(dielectric * dull + metallic * shiny - texels.glossy).max(axis=1)
+        off = np.maximum(off, also / _tolerated(texels.glossy))
+        kept = off <= np.quantile(off, _SURE)
     strength = 0.0 if material.normal is None else material.strength
     bump = _values(material.normal, texels.uv)[:, :3]
-    if _turned(normal_of_image(bump, texels.frame, strength), texels.normal) > _TURNED:
+    turned = _turned(normal_of_image(bump, texels.frame, strength), texels.normal)
+    if off[kept].max() > 1 or np.quantile(turned, _SURE) > _TURNED:
         return None
     factor = np.array(material.base)
     return ImageLook(
@@ -144,31 +159,48 @@ def _fitted(material: ImageMaterial, texels: _Texels, mean: Floats) -> ImageLook
         _colour(metallic * factor / mean),
         material.metallic,
         strength,
+        float(np.float32(fading * material.roughness**4)),
     )
 
 
-def _glossy(dull: Floats, shiny: Floats, seen: Floats) -> tuple[Floats, Floats]:
-    """The factors (3,) of both kinds (K, 1) and (K, 3) by least squares, drawn to what is usual."""
+def _scale(shown: Floats, seen: Floats) -> Floats:
+    """By how much each channel of colours (K, 3) differs, (3,); 1 where they are black."""
+    strong = (shown * shown).sum(axis=0)
+    scale: Floats = np.where(strong > 1e-9, (shown * seen).sum(axis=0) / np.maximum(strong, 1e-9), 1.0)
+    return scale
+
+
+def _tolerated(seen: Floats) -> float:
+    """How far a texel may be off the colours (K, 3) that were seen."""
+    return _ANYWAY + _OFF * float(np.abs(seen).mean())
+
+
+def _fading(bare: Floats, shiny: Floats, rough: Floats, seen: Floats) -> float:
+    """By how much the roughness (K, 1) to the fourth dims what is no metal, 0 to 1."""
+    full, lost, _ = _glossy([bare, -bare * rough**4, shiny], seen)
+    return min(float(lost.sum()) / max(float(full.sum()), 1e-9), 1.0)
+
+
+def _glossy(parts: Sequence[Floats], seen: Floats) -> list[Floats]:
+    """The factors (3,) of glossy colours' parts, (K, 1) or (K, 3) each, by least squares.
+
+    They are drawn to what is usual: the first is what is no metal, the last what is.
+    """
     found = []
+    usual = np.array([_USUAL, *[0.0] * (len(parts) - 2), 1.0])
     for channel in range(3):
-        rows = np.stack([dull[:, 0], shiny[:, channel]], axis=1)
-        pull = _DRAWN * len(rows) * np.eye(2)
-        usual = np.array([_USUAL, 1.0])
+        rows = np.stack([np.broadcast_to(part, seen.shape)[:, channel] for part in parts], axis=1)
+        pull = _DRAWN * len(rows) * np.eye(len(parts))
         found.append(np.linalg.solve(rows.T @ rows + pull, rows.T @ seen[:, channel] + pull @ usual))
-    dielectric, metallic = np.maximum(np.array(found), 0).T
-    return dielectric, metallic
+    return list(np.maximum(np.array(found), 0).T)
 
 
-def _differ(shown: Floats, seen: Floats) -> bool:
-    off = float(np.abs(shown - seen).mean())
-    return off > _ANYWAY + _OFF * float(np.abs(seen).mean())
-
-
-def _turned(shown: Floats, seen: Floats) -> float:
-    """Degrees between normals (K, 3), in the mean."""
+def _turned(shown: Floats, seen: Floats) -> Floats:
+    """Degrees between normals (K, 3), (K,)."""
     length = np.maximum(np.linalg.norm(seen, axis=1), 1e-6)
     cosine = (shown * seen).sum(axis=1) / length
-    return float(np.degrees(np.arccos(np.clip(cosine, -1, 1))).mean())
+    turned: Floats = np.degrees(np.arccos(np.clip(cosine, -1, 1)))
+    return turned
 
 
 def _values(source: ImageSource | None, uv: Floats, colour: bool = False) -> Floats:

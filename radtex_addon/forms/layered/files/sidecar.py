@@ -335,6 +335,7 @@ def _look_facts(look: ImageLook) -> dict[str, Any]:
         **colours,
         "metallic": _short(look.metallic),
         "normal_strength": _short(look.strength),
+        "fading": _short(look.fading),
     }
 
 
@@ -344,8 +345,9 @@ def _look(facts: Facts) -> ImageLook | None:
         return None
     images = facts.inner("images")
     diffuse, dielectric, metal = (_colour(images, name) for name in _COLOURS_OF_LOOK)
-    metallic, strength = (_bounded(images, name) for name in ("metallic", "normal_strength"))
-    return ImageLook(images.text("uv_map"), diffuse, dielectric, metal, metallic, strength)
+    names = ("metallic", "normal_strength", "fading")
+    metallic, strength, fading = (_bounded(images, name) for name in names)
+    return ImageLook(images.text("uv_map"), diffuse, dielectric, metal, metallic, strength, fading)
 
 
 def _colour(facts: Facts, key: str) -> Colour:

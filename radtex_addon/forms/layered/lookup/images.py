@@ -20,10 +20,11 @@ _LEAST = 1e-6
 class ImageLook:
     """How the colours of a Principled BSDF whose maps are images follow from these, on the UV layer `uv_map`.
 
-    With the base colour b and the metal m, which is `metallic` times its image: diffuse light has the colour
-    `diffuse` b (1 - m), lobes the tint `dielectric` (1 - m) + `metal` b m, over the material's mean glossy
-    colour. A constant factor of b is in `diffuse` and `metal`. `strength` is that of the normal map, 0
-    without one.
+    With the base colour b, the metal m, which is `metallic` times its image, and the roughness image r:
+    diffuse light has the colour `diffuse` b (1 - m), and lobes have the tint `dielectric` (1 - `fading` r^4)
+    (1 - m) + `metal` b m over the material's mean glossy colour: what is rough and no metal reflects less
+    towards its normal. Constant factors of b are in `diffuse` and `metal`, that of r in `fading`. `strength`
+    is that of the normal map, 0 without one.
     """
 
     uv_map: str
@@ -32,6 +33,7 @@ class ImageLook:
     metal: Colour
     metallic: float
     strength: float
+    fading: float = 0.0
 
     @property
     def rows(self) -> list[list[float]]:
@@ -39,7 +41,7 @@ class ImageLook:
         return [
             [*self.diffuse, self.metallic],
             [*self.dielectric, self.strength],
-            [*self.metal, 0.0],
+            [*self.metal, self.fading],
         ]
 
 
@@ -56,19 +58,21 @@ def look_of_images(
     look: ImageLook,
     base: Floats,
     metal: Floats,
+    rough: Floats,
     bump: Floats,
     frame: tuple[Floats, Floats, Floats],
     alpha: Floats,
 ) -> Look:
     """The material where its images have these values.
 
-    `base` (N, 3) linear; `metal` (N,); `bump` (N, 3), the normal map's colour; `frame` (T, B, N), (N, 3)
-    each, interpolated but not normalised, as MikkTSpace has it. Colours are multiplied by `alpha` (N,).
+    `base` (N, 3) linear; `metal` and `rough` (N,); `bump` (N, 3), the normal map's colour; `frame` (T, B, N),
+    (N, 3) each, interpolated but not normalised, as MikkTSpace has it. Colours are multiplied by `alpha`.
     """
     part = (look.metallic * metal)[:, None]
     bare = 1 - part
     colour = np.array(look.diffuse, np.float32) * base * bare
-    tint = np.array(look.dielectric, np.float32) * bare + np.array(look.metal, np.float32) * base * part
+    dull = bare * (1 - look.fading * rough[:, None] ** 4)
+    tint = np.array(look.dielectric, np.float32) * dull + np.array(look.metal, np.float32) * base * part
     normal = normal_of_image(bump, frame, look.strength)
     return Look(colour * alpha[:, None], tint * alpha[:, None], normal)
 

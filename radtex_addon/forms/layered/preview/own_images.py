@@ -38,7 +38,7 @@ def given_by_images(
     through these.
     """
     uv = build.uv_map(own.uv_map)
-    base, metallic, _, normal = (
+    base, metallic, roughness, normal = (
         _read(build, uv, role, source) for role, source in zip(ROLES, own.sources, strict=True)
     )
     metal = look.metallic if metallic is None else build.math("MULTIPLY", metallic, look.metallic)
@@ -46,7 +46,9 @@ def given_by_images(
     ours = (1.0, 1.0, 1.0) if base is None else base
     dull = build.vector("SCALE", build.vector("MULTIPLY", ours, look.diffuse), bare)
     shiny = build.vector("SCALE", build.vector("MULTIPLY", ours, look.metal), metal)
-    tint = build.vector("MULTIPLY_ADD", look.dielectric, build.combine(bare, bare, bare), shiny)
+    rough = build.math("POWER", 1.0 if roughness is None else roughness, 4.0)
+    kept = build.math("MULTIPLY", bare, build.math("MULTIPLY_ADD", rough, -look.fading, 1.0))
+    tint = build.vector("MULTIPLY_ADD", look.dielectric, build.combine(kept, kept, kept), shiny)
     return dull, tint, _normal(build, own, normal, twins)
 
 
