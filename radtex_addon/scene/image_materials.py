@@ -218,6 +218,8 @@ def _image(node: Any, uses: set[str], space: str | None, channel: int | None = N
     image: bpy.types.Image | None = node.image
     if image is None or image.source not in ("FILE", "GENERATED") or image.is_float:
         raise _Other
+    if 0 in cast(Any, image.size):  # its file is missing
+        raise _Other
     settings: Any = image.colorspace_settings
     if settings.name != space if space else not settings.is_data:
         raise _Other

@@ -151,6 +151,12 @@ def _lost(tree: Any, shader: Any) -> None:
     tree.nodes["colour"].image = None
 
 
+def _lost_file(tree: Any, shader: Any) -> None:
+    image = tree.nodes["colour"].image
+    image.unpack(method="REMOVE")
+    image.source, image.filepath = "FILE", "//gone.png"
+
+
 def _mixed(tree: Any, shader: Any) -> None:
     add = tree.nodes.new("ShaderNodeAddShader")
     output = next(node for node in tree.nodes if node.type == "OUTPUT_MATERIAL")
@@ -160,7 +166,19 @@ def _mixed(tree: Any, shader: Any) -> None:
 
 @pytest.mark.parametrize(
     "change",
-    [_noise, _contrast, _moved, _other_layer, _coat, _glow, _data_as_colour, _clipped, _lost, _mixed],
+    [
+        _noise,
+        _contrast,
+        _moved,
+        _other_layer,
+        _coat,
+        _glow,
+        _data_as_colour,
+        _clipped,
+        _lost,
+        _lost_file,
+        _mixed,
+    ],
 )
 def test_any_other_material_is_none(change: Callable[[Any, Any], None]) -> None:
     material: Any = texture_set()
