@@ -195,6 +195,12 @@ async function loadLamp(url: URL, main: Manifest, device: Device): Promise<Bake>
       "Bake the lamps of one object in one go, with --lights each.",
     );
   }
+  if (Boolean(manifest.images) !== Boolean(main.images)) {
+    throw new Problem(
+      `${manifest.name} is not a lamp of ${main.name}: only one of them has materials by their own images`,
+      "Export all of them with the same --image-limit.",
+    );
+  }
   return { manifest, textures: await loadTextures(manifest, url, device), sun: sunUniforms() };
 }
 
