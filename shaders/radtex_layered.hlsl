@@ -375,26 +375,64 @@ float3 radtex_mirrored(float3 from, float3 ray, float4 met, float4 own, float4 l
 }
 #endif
 
-// Radiance towards the viewer, in the unit direction V, from a place at `position` whose unit normal is `face`.
-float3 radtex_layered(float2 uv, float3 position, float3 face, float3 V) {
-    const int material = 0;
-    float3 N = face;
-#ifdef RADTEX_NORMAL
-    float3 shading = radtex_map(radtex_normal_map, radtex_normal_range, uv).xyz;
-    shading *= rsqrt(max(dot(shading, shading), 1e-12));
-    N = dot(shading, N) > 0.3 ? shading : N;
+// A material at a place: the colour of its diffuse light, what its lobes are multiplied by, its normal, and its alpha,
+// by which both are multiplied.
+struct RadtexLook {
+    float3 colour;
+    float3 tint;
+    float3 normal;
+    float opacity;
+};
+
+// That of a Principled BSDF whose maps are images, by what these hold at the place: base colour (linear), roughness and
+// metal, and the normal map. Each of three vectors of the material's has a colour: of diffuse light, of what is no metal,
+// of metal; and a number: what metal is multiplied by, the normal map's strength, and by how much roughness to the fourth
+// dims what is no metal. T and B are the tangents of the images'
+// texture coordinates, with the normal `face` interpolated but not normalised; `opacity` is radtex_alpha.
+RadtexLook radtex_look_of(float4 diffuse, float4 dull, float4 shiny, float3 base, float2 rough, float3 bump, float3 T,
+                          float3 B, float3 face, float opacity) {
+    float part = diffuse.a * rough.y, squared = rough.x * rough.x, fades = 1.0 - shiny.a * squared * squared;
+    float3 turn = 2.0 * bump - 1.0, N = face * rsqrt(max(dot(face, face), 1e-12));
+    float3 mapped = turn.x * T + turn.y * B + turn.z * face;
+    mapped *= rsqrt(max(dot(mapped, mapped), 1e-12));
+    RadtexLook look;
+    look.colour = diffuse.rgb * base * (opacity * (1.0 - part));
+    look.tint = opacity * (dull.rgb * (fades * (1.0 - part)) + shiny.rgb * base * part);
+    look.normal = N + dull.a * (mapped - N);
+    look.opacity = opacity;
+    return look;
+}
+
+// The same by the bake's maps; `face` is the mesh's unit normal.
+RadtexLook radtex_look(float2 uv, float3 face) {
+    RadtexLook look;
+    look.opacity = radtex_alpha(uv);
+    look.colour = radtex_colours(radtex_colour_map, radtex_colour_range, uv);
+    look.tint = float3(look.opacity, look.opacity, look.opacity);
+    look.normal = face;
+#ifdef RADTEX_TINT
+    look.tint = radtex_colours(radtex_tint_map, radtex_tint_range, uv);
 #endif
-    float opacity = radtex_alpha(uv), cosine = dot(N, V), curve = clamp(cosine * 16.0 - 0.5, 0.0, 15.0);
+#ifdef RADTEX_NORMAL
+    look.normal = radtex_map(radtex_normal_map, radtex_normal_range, uv).xyz;
+#endif
+    return look;
+}
+
+// Radiance towards the viewer, in the unit direction V, from a place at `position` whose unit normal is `face`, of a
+// material that looks so.
+float3 radtex_lit(float2 uv, float3 position, float3 face, float3 V, RadtexLook look) {
+    const int material = 0;
+    float3 shading = look.normal * rsqrt(max(dot(look.normal, look.normal), 1e-12));
+    float3 N = dot(shading, face) > 0.3 ? shading : face;
+    float cosine = dot(N, V), curve = clamp(cosine * 16.0 - 0.5, 0.0, 15.0);
     float below = min(floor(curve), 14.0), above = curve - below;
     int low = 16 * material + int(below);
     float4 facts = lerp(radtex_material[low], radtex_material[low + 1], above);
-    float3 light = radtex_colours(radtex_colour_map, radtex_colour_range, uv)
-        * radtex_map(radtex_irradiance_map, radtex_irradiance_range, uv).rgb * facts.rgb;
+    float3 light = look.colour * radtex_map(radtex_irradiance_map, radtex_irradiance_range, uv).rgb * facts.rgb;
     float3 axis = 2.0 * cosine * N - V;
-#ifdef RADTEX_NORMAL
     axis += max(0.01 - dot(axis, face), 0.0) * face;  // no lower than the surface
     axis *= rsqrt(dot(axis, axis));
-#endif
     float2 place = radtex_square(axis);
 #ifdef RADTEX_MIRRORS
     float3 from = position - radtex_middle.xyz;
@@ -415,16 +453,17 @@ float3 radtex_layered(float2 uv, float3 position, float3 face, float3 V) {
     lobe.a += wider;
     mirrored += radtex_mirrored(from, ray, met, own, lobe);
 #endif
-#ifdef RADTEX_TINT
-    light += mirrored * radtex_colours(radtex_tint_map, radtex_tint_range, uv);
-#else
-    light += mirrored * opacity;
-#endif
+    light += mirrored * look.tint;
 #endif
     float3 rest = radtex_rest(radtex_rest_map, radtex_rest_range, radtex_rest_tile, float(RADTEX_REST_CELLS), uv,
         place);
-    light += max(opacity * rest, -0.5 * light);
+    light += max(look.opacity * rest, -0.5 * light);
     return max(light, float3(0.0, 0.0, 0.0));
+}
+
+// Radiance towards the viewer, in the unit direction V, from a place at `position` whose unit normal is N.
+float3 radtex_layered(float2 uv, float3 position, float3 N, float3 V) {
+    return radtex_lit(uv, position, N, V, radtex_look(uv, N));
 }
 
 #endif

@@ -341,29 +341,69 @@ fn radtex_mirrored(whence: vec3f, ray: vec3f, met: vec4f, own: vec4f, lobe: vec4
     return lobe.rgb * mix(own.rgb, radtex_shown(whence, ray, met, lobe.a), radtex_free(own.a, exp2(lobe.a)));
 }
 
-// Radiance towards the viewer, in the unit direction V, from a place at `position` whose unit normal is `face`.
-fn radtex_layered(uv: vec2f, position: vec3f, face: vec3f, V: vec3f) -> vec3f {
-    const material: i32 = 0;
-    var N = face;
-    if RADTEX_NORMAL {
-        var shading = radtex_map(radtex_normal_map, radtex.normal_range, uv).xyz;
-        shading *= inverseSqrt(max(dot(shading, shading), 1e-12));
-        N = select(N, shading, dot(shading, N) > 0.3);
+// A material at a place: the colour of its diffuse light, what its lobes are multiplied by, its normal, and its alpha,
+// by which both are multiplied.
+struct RadtexLook {
+    colour: vec3f,
+    tint: vec3f,
+    normal: vec3f,
+    opacity: f32,
+}
+
+// That of a Principled BSDF whose maps are images, by what these hold at the place: base colour (linear), roughness and
+// metal, and the normal map. Each of three vectors of the material's has a colour: of diffuse light, of what is no metal,
+// of metal; and a number: what metal is multiplied by, the normal map's strength, and by how much roughness to the fourth
+// dims what is no metal. T and B are the tangents of the images'
+// texture coordinates, with the normal `face` interpolated but not normalised; `opacity` is radtex_alpha.
+fn radtex_look_of(diffuse: vec4f, dull: vec4f, shiny: vec4f, base: vec3f, rough: vec2f, bump: vec3f, T: vec3f,
+                  B: vec3f, face: vec3f, opacity: f32) -> RadtexLook {
+    let part = diffuse.a * rough.y;
+    let squared = rough.x * rough.x;
+    let fades = 1.0 - shiny.a * squared * squared;
+    let turn = 2.0 * bump - 1.0;
+    let N = face * inverseSqrt(max(dot(face, face), 1e-12));
+    var mapped = turn.x * T + turn.y * B + turn.z * face;
+    mapped *= inverseSqrt(max(dot(mapped, mapped), 1e-12));
+    var look: RadtexLook;
+    look.colour = diffuse.rgb * base * (opacity * (1.0 - part));
+    look.tint = opacity * (dull.rgb * (fades * (1.0 - part)) + shiny.rgb * base * part);
+    look.normal = N + dull.a * (mapped - N);
+    look.opacity = opacity;
+    return look;
+}
+
+// The same by the bake's maps; `face` is the mesh's unit normal.
+fn radtex_look(uv: vec2f, face: vec3f) -> RadtexLook {
+    var look: RadtexLook;
+    look.opacity = radtex_alpha(uv);
+    look.colour = radtex_colours(radtex_colour_map, radtex.colour_range, uv);
+    look.tint = vec3f(look.opacity, look.opacity, look.opacity);
+    look.normal = face;
+    if RADTEX_TINT {
+        look.tint = radtex_colours(radtex_tint_map, radtex.tint_range, uv);
     }
-    let opacity = radtex_alpha(uv);
+    if RADTEX_NORMAL {
+        look.normal = radtex_map(radtex_normal_map, radtex.normal_range, uv).xyz;
+    }
+    return look;
+}
+
+// Radiance towards the viewer, in the unit direction V, from a place at `position` whose unit normal is `face`, of a
+// material that looks so.
+fn radtex_lit(uv: vec2f, position: vec3f, face: vec3f, V: vec3f, look: RadtexLook) -> vec3f {
+    const material: i32 = 0;
+    let shading = look.normal * inverseSqrt(max(dot(look.normal, look.normal), 1e-12));
+    let N = select(face, shading, dot(shading, face) > 0.3);
     let cosine = dot(N, V);
     let curve = clamp(cosine * 16.0 - 0.5, 0.0, 15.0);
     let below = min(floor(curve), 14.0);
     let above = curve - below;
     var low = 16 * material + i32(below);
     let facts = mix(radtex_of.curves[low], radtex_of.curves[low + 1], above);
-    var light = radtex_colours(radtex_colour_map, radtex.colour_range, uv)
-        * radtex_map(radtex_irradiance_map, radtex.irradiance_range, uv).rgb * facts.rgb;
+    var light = look.colour * radtex_map(radtex_irradiance_map, radtex.irradiance_range, uv).rgb * facts.rgb;
     var axis = 2.0 * cosine * N - V;
-    if RADTEX_NORMAL {
-        axis += max(0.01 - dot(axis, face), 0.0) * face;  // no lower than the surface
-        axis *= inverseSqrt(dot(axis, axis));
-    }
+    axis += max(0.01 - dot(axis, face), 0.0) * face;  // no lower than the surface
+    axis *= inverseSqrt(dot(axis, axis));
     let place = radtex_square(axis);
     if RADTEX_MIRRORS {
         let whence = position - radtex.middle.xyz;
@@ -385,13 +425,14 @@ fn radtex_layered(uv: vec2f, position: vec3f, face: vec3f, V: vec3f) -> vec3f {
             lobe.a += wider;
             mirrored += radtex_mirrored(whence, ray, met, own, lobe);
         }
-        if RADTEX_TINT {
-            light += mirrored * radtex_colours(radtex_tint_map, radtex.tint_range, uv);
-        } else {
-            light += mirrored * opacity;
-        }
+        light += mirrored * look.tint;
     }
     let rest = radtex_rest(radtex_rest_map, radtex.rest_range, radtex.rest_tile, f32(RADTEX_REST_CELLS), uv, place);
-    light += max(opacity * rest, -0.5 * light);
+    light += max(look.opacity * rest, -0.5 * light);
     return max(light, vec3f(0.0, 0.0, 0.0));
+}
+
+// Radiance towards the viewer, in the unit direction V, from a place at `position` whose unit normal is N.
+fn radtex_layered(uv: vec2f, position: vec3f, N: vec3f, V: vec3f) -> vec3f {
+    return radtex_lit(uv, position, N, V, radtex_look(uv, N));
 }

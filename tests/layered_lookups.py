@@ -10,10 +10,11 @@ from functools import cache
 
 import numpy as np
 
-from radtex_addon.core.arrays import Floats
+from radtex_addon.core.arrays import Floats, Ints
 from radtex_addon.core.fragments import Fragments
 from radtex_addon.core.frame import normalised
 from radtex_addon.core.hemisphere import cell_centres, square_to_direction
+from radtex_addon.core.sampler import bilinear
 from radtex_addon.formats.sidecar import Sidecar
 from radtex_addon.forms.layered.files.arrangement import (
     DISTANCES,
@@ -25,8 +26,9 @@ from radtex_addon.forms.layered.files.arrangement import (
 )
 from radtex_addon.forms.layered.files.layered_files import atlas_of
 from radtex_addon.forms.layered.files.sidecar import LayeredSidecar
-from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas, sample_layered
+from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas, alpha_at, sample_layered
 from radtex_addon.forms.layered.lookup.environment import Around, Lamp
+from radtex_addon.forms.layered.lookup.images import Colour, ImageLook, look_of_images
 from radtex_addon.forms.layered.lookup.ways import Through
 from radtex_addon.forms.layered.shader_values import CLEAR_ALPHA, Stored
 from tests.layered.made_up import _buckets, _image, _waves, made_up_atlas, made_up_fragments
@@ -75,12 +77,75 @@ class Case:
         return found
 
 
+@dataclass(frozen=True, eq=False)
+class ImageCase:
+    """A case whose materials are shown by images, the same for all: base colour, metal, normal map.
+
+    `images` are (H, W, 3) float32 by the shader's names; `place` (N, 2) are their coordinates, 0 to 1. What
+    comes through is left out.
+    """
+
+    case: Case
+    looks: tuple[ImageLook, ...]
+    images: dict[str, Floats]
+    place: Floats
+
+    def answers(self) -> Floats:
+        """What the reference sampler sees, (N, 3)."""
+        at, atlas = self.case.at, replace(self.case.atlas, through=None)
+        assert at.tangent is not None
+        assert at.bitangent is not None
+        found = np.zeros((COUNT, 3), dtype=np.float32)
+        base, metal, bump = (bilinear(image, self.place) for image in self.images.values())
+        for number, look in enumerate(self.looks):
+            some = np.flatnonzero(at.material == number)
+            frame = (at.tangent[some], at.bitangent[some], at.normal[some])
+            alpha = alpha_at(atlas, at.uv[some])
+            seen = look_of_images(look, base[some], metal[some, 2], metal[some, 1], bump[some], frame, alpha)
+            found[some] = sample_layered(atlas, _some(at, some), seen)
+        return found
+
+
+def _some(at: Fragments, some: Ints) -> Fragments:
+    assert at.tangent is not None
+    assert at.bitangent is not None
+    return Fragments(
+        at.uv[some],
+        at.normal[some],
+        at.viewer[some],
+        at.position[some],
+        at.material[some],
+        at.tangent[some],
+        at.bitangent[some],
+    )
+
+
+@cache
+def image_case(name: str) -> ImageCase:
+    """One of CASES, shown by images."""
+    case, rng = case_of(name), np.random.default_rng(11)
+
+    def colour() -> Colour:
+        red, green, blue = rng.uniform(0.3, 1.2, 3).tolist()
+        return red, green, blue
+
+    strengths = (1.0, 0.4)[: len(case.sidecar.materials)]
+    looks = tuple(ImageLook("UVMap", colour(), colour(), colour(), 0.9, each, 0.7) for each in strengths)
+    bump = normalised(_image(rng, 32, 3) - [0.5, 0.5, -0.3]) * 0.5 + 0.5
+    images = {
+        "radtex_base_map": _image(rng, 32, 3),
+        "radtex_metal_map": _image(rng, 32, 3),
+        "radtex_bump_map": bump.astype(np.float32),
+    }
+    return ImageCase(case, looks, images, rng.uniform(size=(COUNT, 2)).astype(np.float32))
+
+
 def off(found: Floats, expected: Floats) -> Floats:
     """Differences over what was expected and a twentieth of white."""
     return np.asarray(np.abs(found - expected) / (np.abs(expected) + 0.05))
 
 
-def assert_agrees(name: str, found: Floats, case: Case) -> None:
+def assert_agrees(name: str, found: Floats, case: Case | ImageCase) -> None:
     wrong = off(found, case.answers())
     print(f"{name}: mean error {wrong.mean():.1e}, 99.9 % {np.quantile(wrong, 0.999):.1e}, {wrong.max():.1e}")
     assert wrong.mean() < MEAN

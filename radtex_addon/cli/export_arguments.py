@@ -12,7 +12,7 @@ from pathlib import Path
 from ..bake.layers import Layer
 from ..core.errors import InputError
 from ..settings.targets import MOST_PIXELS, TARGETS
-from ..textures.export_spec import Arrangement, ExportSpec, Target, TextureFormat
+from ..textures.export_spec import IMAGE_LIMIT, Arrangement, ExportSpec, Target, TextureFormat
 from .options import (
     EXPORT,
     Parser,
@@ -169,6 +169,17 @@ def _add_textures(group: argparse._ArgumentGroup) -> None:
         "the most pixels along a texture's side: a larger matrix is split "
         f"(default: {smaller}, else {MOST_PIXELS})",
         None,
+    )
+
+    shown = ", ".join(target for target in Target if target.traits.images)
+    add_number(
+        group,
+        "--image-limit",
+        "image_limit",
+        "PIXELS",
+        f"for {shown}, where a material's colour, metal, roughness and normal are images: the most pixels "
+        "along a side of these, which the export holds; 0: the bake's own maps instead",
+        IMAGE_LIMIT,
     )
 
 

@@ -18,7 +18,7 @@ from ..job.bake_request import BakeRequest
 from ..report.side_by_side import ComparisonSpec
 from ..report.viewpoint import Viewpoint
 from ..settings.spec import spec_in
-from ..textures.export_spec import Arrangement, ExportSpec, Target, TextureFormat
+from ..textures.export_spec import IMAGE_LIMIT, Arrangement, ExportSpec, Target, TextureFormat
 from ..worker.order import Work
 from .arguments import Request
 from .compare_arguments import CompareRequest
@@ -119,6 +119,9 @@ def _export(facts: Facts, request: WorkRequest) -> OrderedExports:
             memory_mb=None if _absent(asked, "memory_mb") else asked.whole_number("memory_mb", 1),
             mirror="mirror" in asked.values and asked.truth("mirror"),
             sky=None if _absent(asked, "sky") else _colour(asked, "sky"),
+            image_limit=IMAGE_LIMIT
+            if _absent(asked, "image_limit")
+            else asked.whole_number("image_limit", 0),
         ),
         overwrite=facts.truth("overwrite"),
         progress=request.progress,

@@ -34,7 +34,9 @@ class Manifest:
     The keys of `textures` are the layers' names for the layered layout; else the kind, such as "radiance",
     and the names of additional layers. `bake` is the sidecar's JSON. The flat lightmap's light was
     multiplied by `flat_scale` before it was encoded. `culled`: only front faces are drawn, since those that
-    are seen from behind have others for their backs. `mirror` is what a moving mirror ball needs.
+    are seen from behind have others for their backs. `mirror` is what a moving mirror ball needs. With
+    `images` the mesh's file holds the images of materials that can be shown by these; if all can, `textures`
+    lack what they replace.
     """
 
     tool: str
@@ -46,15 +48,21 @@ class Manifest:
     flat_scale: float = 1.0
     culled: bool = False
     mirror: Mirror | None = None
+    images: bool = False
 
     @property
     def form(self) -> Form:
         """How the bake is stored."""
         return form_in(Facts(dict(self.bake), self.name))
 
+    @property
+    def shader(self) -> dict[str, Any] | None:
+        """What shaders are told of the bake; None if nothing."""
+        return self.form.shader_facts(self.bake, self.textures, self.images)
+
     def facts(self) -> dict[str, Any]:
         """The JSON's keys and values, in order."""
-        shader = self.form.shader_facts(self.bake, self.textures)
+        shader = self.shader
         return {
             "version": VERSION,
             "tool": self.tool,
@@ -63,6 +71,7 @@ class Manifest:
             "flat": self.flat,
             "flat_scale": self.flat_scale,
             **({"culled": True} if self.culled else {}),
+            **({"images": True} if self.images else {}),
             "bake": dict(self.bake),
             **({} if shader is None else {"shader": shader}),
             "textures": {layer: entry.facts() for layer, entry in self.textures.items()},
@@ -87,7 +96,10 @@ class Manifest:
         bake, textures = facts.inner("bake"), facts.inner("textures")
         bake.size("texels", MOST_TEXELS)
         bake.whole_number("bucket", 1, MOST_PIXELS)
+        images = facts.truth("images") if "images" in facts.values else False
         layers = form_in(bake).textures_of(bake, textures.values)
+        if "shader" in facts.values and not images:
+            layers = bake.texts("layers")
         if set(textures.values) != set(layers):
             found, expected = (shown(", ".join(names), 200) or "none" for names in (textures.values, layers))
             raise FormatError(f"{source} has the textures {found}, expected {expected}")
@@ -101,6 +113,7 @@ class Manifest:
             flat_scale=facts.positive("flat_scale"),
             culled=facts.truth("culled") if "culled" in facts.values else False,
             mirror=Mirror.from_facts(facts.inner("mirror")) if "mirror" in facts.values else None,
+            images=images,
         )
 
 

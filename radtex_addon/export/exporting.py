@@ -31,6 +31,7 @@ from ..version import VERSION
 from .export_manifest import EXTENSION, Manifest, read_manifest, write_manifest
 from .folder import check_out, files_in, is_export, is_whole, replacing_folder
 from .gltf import check_exporter, write_gltf
+from .material_images import MaterialPictures, material_pictures
 from .mirror import check_mirror, materials_of, write_mirror
 from .pack import Pack
 from .targets import writer_of
@@ -91,11 +92,15 @@ class ExportSource:
         return self.sidecar.path.with_name(f"{self.name}.{target}")
 
     def copy(
-        self, surfaces: Sequence[str] = ()
+        self, surfaces: Sequence[str] = (), pictures: Mapping[int, MaterialPictures] | None = None
     ) -> AbstractContextManager[tuple[bpy.types.Scene, bpy.types.Object]]:
-        """The baked copy, alone in a scene, as of `baked_copy`; of a shared atlas only these `surfaces`."""
+        """The baked copy, alone in a scene, as of `baked_copy`; of a shared atlas only these `surfaces`.
+
+        With the UV layers of the `pictures` that its materials are shown by.
+        """
         part = None if self.bake.part is None else self.bake.part.index
-        return baked_copy(self.preview, surfaces or self.bake.surfaces, self.bake.uv_map, part)
+        more = dict.fromkeys(each.facts.uv_map for each in (pictures or {}).values())
+        return baked_copy(self.preview, surfaces or self.bake.surfaces, self.bake.uv_map, part, tuple(more))
 
 
 @dataclass(frozen=True)
@@ -182,15 +187,15 @@ def export_steps(
 def _pack(bake: ExportSource, spec: ExportSpec, folder: Path) -> Generator[ExportStep, None, Pack]:
     """Write the files that all targets need. Yields progress."""
     yield ExportStep(ExportTask.TEXTURES, 0, 1)
-    textures = bake.form.write_textures(bake.sidecar, spec, folder)
+    pictures = pictures_of(bake, spec)
+    textures = bake.form.write_textures(bake.sidecar, spec, folder, shown_whole(bake, pictures))
     layer = bake.bake.uv_map
-    with bake.copy() as (scene, copy):
+    with bake.copy((), pictures) as (scene, copy):
         yield ExportStep(ExportTask.FLAT, 0, 1)
         flat = yield from flat_steps(bake, copy)
-        manifest = manifest_of(bake, f"{bake.name}.glb", textures, flat, copy)
+        manifest = manifest_of(bake, f"{bake.name}.glb", textures, flat, copy, bool(pictures))
         if spec.mirror:
-            shader = bake.form.shader_facts(manifest.bake, textures)
-            check_mirror(bake.sidecar.path, bake.bake.kind, materials_of(shader))
+            check_mirror(bake.sidecar.path, bake.bake.kind, materials_of(manifest.shader))
             mirrored = copy.matrix_world.determinant() < 0
             surface = surface_of(copy, layer)
             mirror = write_mirror(surface, mirrored, manifest.culled, bake.name, spec, folder)
@@ -199,9 +204,27 @@ def _pack(bake: ExportSource, spec: ExportSpec, folder: Path) -> Generator[Expor
         yield ExportStep(ExportTask.MESH, 0, 1)
         # A loader that takes no scene takes one mesh.
         names = bake.bake.objects if writer_of(spec.target).write_scene is not None else ()
-        write_gltf(scene, copy, layer, flat.png, manifest, folder / manifest.mesh, flat.clear, names)
+        path = folder / manifest.mesh
+        write_gltf(scene, copy, layer, flat.png, manifest, path, flat.clear, names, pictures)
     write_manifest(folder / f"{bake.name}.{EXTENSION}", manifest)
     return Pack(bake.name, manifest, folder, spec)
+
+
+def pictures_of(bake: ExportSource, spec: ExportSpec) -> dict[int, MaterialPictures]:
+    """The images of the bake's materials, by number, if the target shows materials by these; all or none.
+
+    Raises FormatError for a preview that cannot be read.
+    """
+    numbers = bake.form.own_images(bake.sidecar) if spec.shows_images else ()
+    if not numbers:
+        return {}
+    found = material_pictures(bake.preview, bake.bake.surfaces, numbers, spec.image_limit)
+    return found if len(found) == len(numbers) else {}
+
+
+def shown_whole(bake: ExportSource, pictures: Mapping[int, MaterialPictures]) -> bool:
+    """Whether all materials are shown by these images, so that the bake's own maps are not needed."""
+    return bool(pictures) and len(pictures) == bake.form.material_count(bake.sidecar)
 
 
 def flat_steps(bake: ExportSource, copy: bpy.types.Object) -> Generator[ExportStep, None, Flat]:
@@ -217,8 +240,12 @@ def manifest_of(
     textures: Mapping[str, TextureEntry],
     flat: Flat,
     copy: bpy.types.Object,
+    images: bool,
 ) -> Manifest:
-    """The manifest of a bake with this baked copy, which is in the file `mesh`; without a mirror."""
+    """The manifest of a bake with this baked copy, which is in the file `mesh`; without a mirror.
+
+    `images`: materials are shown by their own images, where they can be.
+    """
     return Manifest(
         tool=f"RadTex {VERSION}",
         name=bake.name,
@@ -228,6 +255,7 @@ def manifest_of(
         textures=textures,
         flat_scale=flat.scale,
         culled=bake.form.traits.backs and twin_numbers(copy.data) is not None,
+        images=images,
     )
 
 

@@ -14,9 +14,19 @@ from ..formats.sidecar_file import AnySidecar
 from ..textures.export_spec import ExportSpec, ExportStep, ExportTask, Target
 from ..version import VERSION
 from .export_manifest import Manifest
-from .exporting import Exported, ExportSource, Flat, check_bake, check_writer, flat_steps, manifest_of
+from .exporting import (
+    Exported,
+    ExportSource,
+    Flat,
+    check_bake,
+    check_writer,
+    flat_steps,
+    manifest_of,
+    pictures_of,
+    shown_whole,
+)
 from .folder import check_out, replacing_folder
-from .gltf import baked_mesh
+from .gltf import Pictures, baked_mesh
 from .pack import SceneEntry, ScenePack
 from .scene_gltf import SceneGltf, SceneNode, scene_nodes
 from .targets import writer_of
@@ -29,7 +39,8 @@ class _Baked:
     source: ExportSource
     manifest: Manifest
     flat: Flat
-    texture: int
+    texture: int | None
+    pictures: Pictures
 
 
 def scene_sources(sidecars: Sequence[AnySidecar]) -> tuple[ExportSource, ...]:
@@ -110,20 +121,23 @@ def _bakes_written(
     bakes: Sequence[ExportSource], scene: SceneGltf, mesh: str, spec: ExportSpec, folder: Path
 ) -> Generator[ExportStep, None, list[_Baked]]:
     """Write each bake's textures and flat lightmap, into the glTF too. Yields progress."""
-    textures = []
+    textures, shown = [], []
     for number, bake in enumerate(bakes):
         yield ExportStep(ExportTask.TEXTURES, number, len(bakes))
-        textures.append(bake.form.write_textures(bake.sidecar, spec, folder))
+        shown.append(pictures_of(bake, spec))
+        whole = shown_whole(bake, shown[-1])
+        textures.append(bake.form.write_textures(bake.sidecar, spec, folder, whole))
     found = []
-    for number, (bake, written) in enumerate(zip(bakes, textures, strict=True)):
+    for number, (bake, written, pictures) in enumerate(zip(bakes, textures, shown, strict=True)):
         step = ExportStep(ExportTask.FLAT, number, len(bakes))
         yield step
         with bake.copy() as (_, copy):
             steps = flat_steps(bake, copy)
             flat = yield from _told_as(step, steps)
-            manifest = manifest_of(bake, mesh, written, flat, copy)
+            manifest = manifest_of(bake, mesh, written, flat, copy, bool(pictures))
         (folder / manifest.flat).write_bytes(flat.png)
-        found.append(_Baked(bake, manifest, flat, scene.add_flat(flat.png, manifest)))
+        texture = None if shown_whole(bake, pictures) else scene.add_flat(flat.png, manifest)
+        found.append(_Baked(bake, manifest, flat, texture, pictures))
     return found
 
 
@@ -140,9 +154,10 @@ def _told_as(step: ExportStep, steps: Generator[ExportStep, None, Flat]) -> Gene
 
 def _add_node(scene: SceneGltf, node: SceneNode, baked: _Baked) -> int:
     """Add a node to the glTF; returns its index."""
-    with baked.source.copy(node.surfaces) as (alone, copy):
-        mesh = baked_mesh(alone, copy, baked.source.bake.uv_map, baked.manifest, (node.name,))
-    return scene.add_node(mesh, baked.texture, baked.manifest, baked.flat.clear)
+    layer, pictures = baked.source.bake.uv_map, baked.pictures
+    with baked.source.copy(node.surfaces, pictures) as (alone, copy):
+        mesh = baked_mesh(alone, copy, layer, baked.manifest, (node.name,), pictures)
+    return scene.add_node(mesh, baked.texture, baked.manifest, baked.flat.clear, pictures)
 
 
 def _entry(node: SceneNode, baked: Sequence[_Baked]) -> SceneEntry:

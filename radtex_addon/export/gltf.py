@@ -14,7 +14,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any, NamedTuple, cast
+from typing import Any, NamedTuple, TypeAlias, cast
 from urllib.parse import quote
 
 import addon_utils
@@ -29,13 +29,16 @@ from ..formats.disk.temporary import temporary_folder
 from ..scene.mesh.copy import MATERIAL, NORMAL, OBJECT, SIGN, TANGENT, face_numbers, material_numbers
 from ..settings.kinds import Kind
 from .export_manifest import Manifest
+from .gltf_images import GltfImages, kept_layers, set_coordinates
+from .material_images import MaterialPictures, Picture
 
 EXTENSION = "RADTEX_radiance_texture"
 UNLIT = "KHR_materials_unlit"
 _EXPORTER = "io_scene_gltf2"
 _CARRIED = {NORMAL: "_RADTEX_NORMAL", TANGENT: "_RADTEX_TANGENT", SIGN: "_RADTEX_SIGN"}
 _PLACE = "RadTex "  # how temporary materials' names begin, before the place of their slot
-_CLAMP, _LINEAR, _LINEAR_MIPMAPPED = 33071, 9729, 9987
+Pictures: TypeAlias = Mapping[int, MaterialPictures]  # of materials, by their numbers
+NO_PICTURES: Pictures = {}
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,34 +62,47 @@ def write_gltf(
     path: Path,
     clear: bool = False,
     names: Sequence[str] = (),
+    pictures: Pictures = NO_PICTURES,
 ) -> None:
     """Write the baked copy, which is alone in `scene` and is changed, to `path`.
 
-    If it joins the copies of several objects with these `names`, each gets a node. `flat` is the fallback's
-    PNG; if `clear`, its alpha is blended. The material of a hull is single-sided.
-    Raises BakeError if Blender's exporter fails.
+    If it joins the copies of several objects with these `names`, each gets a node. `flat` is the PNG of
+    materials without `pictures` of their own; if `clear`, its alpha is blended. The material of a hull is
+    single-sided. Raises BakeError if Blender's exporter fails.
     """
-    mesh = baked_mesh(scene, copy, uv_layer, manifest, names or (manifest.bake["object"],))
+    mesh = baked_mesh(scene, copy, uv_layer, manifest, names or (manifest.bake["object"],), pictures)
     glb = mesh.glb
     glb.document["scenes"][0]["name"] = manifest.name
-    texture = add_flat(glb, flat, manifest.flat)
-    add_materials(glb, texture, manifest, mesh.numbers, manifest.name, clear)
+    images = GltfImages(glb)
+    plain = any(number not in pictures for number in mesh.numbers)
+    texture = add_flat(images, flat, manifest.flat) if plain else None
+    add_materials(images, texture, manifest, mesh.numbers, manifest.name, clear, pictures)
     glb.compact()
     glb.write(path)
 
 
 def baked_mesh(
-    scene: bpy.types.Scene, copy: bpy.types.Object, uv_layer: str, manifest: Manifest, names: Sequence[str]
+    scene: bpy.types.Scene,
+    copy: bpy.types.Object,
+    uv_layer: str,
+    manifest: Manifest,
+    names: Sequence[str],
+    pictures: Pictures = NO_PICTURES,
 ) -> BakedMesh:
     """The baked copy, which is alone in `scene` and is changed, as glTF.
 
     Its node and mesh get the only one of the `names`, or if it joins several copies each gets its own.
-    Raises BakeError if Blender's exporter fails.
+    Materials with `pictures` of their own have these on TEXCOORD_0, and the bake on TEXCOORD_1. Raises
+    BakeError if Blender's exporter fails.
     """
-    facts = manifest.form.shader_facts(manifest.bake, manifest.textures)
-    slots = _split(copy, by_material=facts is not None, by_object=len(names) > 1)
+    layers: tuple[str, ...] = (uv_layer,)
+    if pictures:
+        own = {number: each.facts.uv_map for number, each in pictures.items()}
+        set_coordinates(copy.data, uv_layer, own)
+        layers = kept_layers(uv_layer)
+    slots = _split(copy, by_material=manifest.shader is not None, by_object=len(names) > 1)
     numbers = sorted({slot.material for slot in slots})
-    _strip(copy, uv_layer, several=len(slots) > 1)
+    _strip(copy, layers, several=len(slots) > 1)
     with temporary_folder() as folder:
         file = folder / "mesh.glb"
         _export(scene, file, several=len(slots) > 1)
@@ -163,8 +179,8 @@ def _place_of(document: dict[str, Any], primitive: dict[str, Any]) -> int:
     return int(name.removeprefix(_PLACE).partition(".")[0])
 
 
-def _strip(copy: bpy.types.Object, uv_layer: str, several: bool) -> None:
-    """Keep only the copy's triangles, baked UV layer, and frame, under names that the exporter keeps.
+def _strip(copy: bpy.types.Object, layers: Sequence[str], several: bool) -> None:
+    """Keep only the copy's triangles, these UV layers, and frame, under names that the exporter keeps.
 
     If it has `several` materials, these stay.
     """
@@ -173,7 +189,7 @@ def _strip(copy: bpy.types.Object, uv_layer: str, several: bool) -> None:
     copy.vertex_groups.clear()
     if not several:
         mesh.materials.clear()
-    for name in [layer.name for layer in mesh.uv_layers if layer.name != uv_layer]:
+    for name in [layer.name for layer in mesh.uv_layers if layer.name not in layers]:
         mesh.uv_layers.remove(mesh.uv_layers[name])
     for name in [layer.name for layer in mesh.color_attributes]:
         mesh.color_attributes.remove(mesh.color_attributes[name])
@@ -266,47 +282,52 @@ def _unit(vectors: Floats, otherwise: tuple[float, float, float]) -> Floats:
     return unit
 
 
-def add_flat(glb: Glb, flat: bytes, name: str) -> int:
+def add_flat(images: GltfImages, flat: bytes, name: str) -> int:
     """Add the PNG of a flat lightmap; returns the index of its texture."""
-    document = glb.document
-    images, textures = document.setdefault("images", []), document.setdefault("textures", [])
-    images.append({"bufferView": glb.add_view(flat), "mimeType": "image/png", "name": name})
-    sampler = {"magFilter": _LINEAR, "minFilter": _LINEAR_MIPMAPPED, "wrapS": _CLAMP, "wrapT": _CLAMP}
-    document["samplers"] = [sampler]
-    textures.append({"source": len(images) - 1, "sampler": 0})
-    return len(textures) - 1
+    return images.texture(Picture(flat, "image/png", name, "EXTEND"))
 
 
 def add_materials(
-    glb: Glb, texture: int, manifest: Manifest, numbers: Sequence[int], name: str, clear: bool
+    images: GltfImages,
+    texture: int | None,
+    manifest: Manifest,
+    numbers: Sequence[int],
+    name: str,
+    clear: bool,
+    pictures: Pictures = NO_PICTURES,
 ) -> None:
     """Add a material for each of these `numbers`, as `BakedMesh` has them. `name` begins their names.
 
-    `texture` is the flat lightmap's; if `clear`, its alpha is blended.
+    `texture` is the flat lightmap's, for those without `pictures`; if `clear`, its alpha is blended.
     """
-    document = glb.document
-    layered = manifest.form.shader_facts(manifest.bake, manifest.textures) is not None
+    document = images.document
+    layered = manifest.shader is not None
     culled = manifest.culled or Kind(manifest.bake["kind"]).traits.content
-    document["materials"] = [
-        *document["materials"],
-        *(
+    for place, number in enumerate(numbers):
+        facts = {EXTENSION: extension_facts(manifest, number if layered else None)}
+        own = pictures.get(number)
+        shown = _flat_material(texture, facts, clear) if own is None else images.material(own, facts)
+        document["materials"].append(
             {
                 "name": f"{name} radiance" + (f" {place}" if place else ""),
                 "doubleSided": not culled,
-                **({"alphaMode": "BLEND"} if clear else {}),
-                "pbrMetallicRoughness": {
-                    "baseColorTexture": {
-                        "index": texture,
-                        "texCoord": 0,
-                        "extensions": {EXTENSION: extension_facts(manifest, number if layered else None)},
-                    },
-                    "metallicFactor": 0.0,
-                    "roughnessFactor": 1.0,
-                },
-                "extensions": {UNLIT: {}},
+                **shown,
                 **({"extras": {MATERIAL: number}} if number or len(numbers) > 1 else {}),
             }
-            for place, number in enumerate(numbers)
-        ),
-    ]
-    document["extensionsUsed"] = sorted({*document.get("extensionsUsed", []), UNLIT, EXTENSION})
+        )
+    unlit = any(number not in pictures for number in numbers)
+    used = {*document.get("extensionsUsed", []), EXTENSION, *([UNLIT] if unlit else [])}
+    document["extensionsUsed"] = sorted(used)
+
+
+def _flat_material(texture: int | None, extensions: dict[str, Any], clear: bool) -> dict[str, Any]:
+    """The keys of a material that shows the flat lightmap, where no shader shows the bake."""
+    return {
+        **({"alphaMode": "BLEND"} if clear else {}),
+        "pbrMetallicRoughness": {
+            "baseColorTexture": {"index": texture, "texCoord": 0, "extensions": extensions},
+            "metallicFactor": 0.0,
+            "roughnessFactor": 1.0,
+        },
+        "extensions": {UNLIT: {}},
+    }

@@ -14,7 +14,8 @@ from ..core.errors import InputError
 from ..formats.containers.glb import Glb
 from .export_manifest import Manifest
 from .exporting import ExportSource
-from .gltf import BakedMesh, add_flat, add_materials
+from .gltf import BakedMesh, Pictures, add_flat, add_materials
+from .gltf_images import GltfImages
 
 _LEVEL = re.compile(r"(.+)_LOD(\d{1,3})", re.IGNORECASE | re.DOTALL)
 LEVELS = "MSFT_lod"
@@ -89,22 +90,25 @@ class SceneGltf:
         lists: dict[str, list[Any]] = {key: [] for key in _LISTS}
         facts = {"asset": {"version": "2.0", "generator": tool}, "scene": 0, "scenes": [{"name": name}]}
         self._glb = Glb({**facts, **lists}, bytearray())
+        self._images = GltfImages(self._glb)
 
     def add_flat(self, png: bytes, manifest: Manifest) -> int:
         """Add a bake's flat lightmap; returns the index of its texture."""
-        return add_flat(self._glb, png, manifest.flat)
+        return add_flat(self._images, png, manifest.flat)
 
-    def add_node(self, mesh: BakedMesh, texture: int, manifest: Manifest, clear: bool) -> int:
+    def add_node(
+        self, mesh: BakedMesh, texture: int | None, manifest: Manifest, clear: bool, pictures: Pictures
+    ) -> int:
         """Add a baked copy's node, mesh and materials; returns the node's index.
 
-        `texture` is its flat lightmap's; if `clear`, that one's alpha is blended.
+        `texture` is its flat lightmap's, for materials without `pictures`; if `clear`, its alpha is blended.
         """
         mesh.glb.compact()
         whole, part = self._glb.document, mesh.glb.document
         whole["asset"]["generator"] = part["asset"]["generator"]
         (node,), (shape,) = part["nodes"], part["meshes"]
         first = len(whole["materials"])
-        add_materials(self._glb, texture, manifest, mesh.numbers, node["name"], clear)
+        add_materials(self._images, texture, manifest, mesh.numbers, node["name"], clear, pictures)
         accessor = self._add_accessors(mesh.glb)
         for primitive in shape["primitives"]:
             attributes = primitive["attributes"]

@@ -20,6 +20,7 @@ from ..formats.image_files import Shapes
 from ..formats.json_reader import Facts
 from ..formats.sidecar import Sidecar
 from ..formats.sidecar_file import SidecarFile
+from ..scene.image_materials import ImageMaterial
 from ..settings.cost import Cost
 from ..settings.forms import FormTraits
 from ..settings.spec import BakeSpec, Compression
@@ -102,6 +103,10 @@ class Form(Protocol):
         """The material that shows a bake on its baked copy."""
         ...
 
+    def materials(self, of: PreviewOf, images: Mapping[int, ImageMaterial]) -> dict[int, bpy.types.Material]:
+        """Materials by number that show a bake by the object's own `images`; the others have `material`."""
+        ...
+
     def script_node(self, tree: bpy.types.NodeTree, sidecar: SidecarFile) -> bpy.types.Node:
         """Add a Script node (OSL) that looks a finished bake up, with the sockets of the material's group.
 
@@ -140,6 +145,14 @@ class Form(Protocol):
         """The most bytes of memory that an export needs in addition to what every export needs."""
         ...
 
+    def own_images(self, sidecar: SidecarFile) -> tuple[int, ...]:
+        """The numbers of the materials that can be shown by their own images."""
+        ...
+
+    def material_count(self, sidecar: SidecarFile) -> int:
+        """How many materials shaders tell apart."""
+        ...
+
     def textures_of(self, facts: Facts, present: Collection[str]) -> tuple[str, ...]:
         """The names of an exported bake's textures; optional layers only if they are `present`."""
         ...
@@ -152,9 +165,12 @@ class Form(Protocol):
         """Raise InputError for options that `write_textures` would refuse, as far as the sidecar tells."""
         ...
 
-    def write_textures(self, sidecar: SidecarFile, spec: ExportSpec, folder: Path) -> dict[str, TextureEntry]:
+    def write_textures(
+        self, sidecar: SidecarFile, spec: ExportSpec, folder: Path, images: bool = False
+    ) -> dict[str, TextureEntry]:
         """Write the bake's textures into `folder`, named as its images with other suffixes; entries by layer.
 
+        With `images` those are left out in whose place all materials have images of their own.
         Raises InputError for options that the bake or the format does not support, FormatError, with the
         path, for files that are missing, damaged or of different bakes, BakeError where the system refuses.
         """
@@ -169,9 +185,12 @@ class Form(Protocol):
         ...
 
     def shader_facts(
-        self, bake: Mapping[str, Any], textures: Mapping[str, TextureEntry]
+        self, bake: Mapping[str, Any], textures: Mapping[str, TextureEntry], images: bool = False
     ) -> dict[str, Any] | None:
-        """What shaders must be told of an exported bake besides its sidecar, as JSON; None if nothing."""
+        """What shaders must be told of an exported bake besides its sidecar, as JSON; None if nothing.
+
+        With `images` materials are shown by their own images where they can be.
+        """
         ...
 
     def hlsl(

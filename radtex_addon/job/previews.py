@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Protocol
@@ -24,6 +25,7 @@ from ..forms.form import PreviewOf
 from ..prepare.prepared import BakedCopy
 from ..preview.save import MATERIAL_PREFIX, StandIn, save_preview
 from ..preview.swap import previews_off
+from ..scene.image_materials import image_materials, numbers_of_slots
 from ..scene.mesh.backs import lift_twins
 from ..scene.mesh.copy import copy_object
 from ..scene.mesh.watertight import is_closed
@@ -67,13 +69,22 @@ def save_preview_of(
     if it cannot be written.
     """
     assert files.preview is not None  # set if there is a filter
-    materials = {
-        number: _material(title, spec, there, prepared, preview, scene)
+    shown = {
+        number: _preview_of(title, spec, there, prepared, preview, scene)
         for number, (title, there) in _baked(spec, files, prepared).items()
     }
+    form = form_for(spec)
+    by_number: dict[int, bpy.types.Material] = {}
+    if spec.split is None and spec.source is None:
+        sets = image_materials((piece.original, piece.mesh) for piece in prepared.pieces)
+        by_number = form.materials(shown[None], sets) if sets else {}
+    used = {number for piece in prepared.pieces for number in numbers_of_slots(piece.mesh).values()}
+    materials = {number: form.material(of) for number, of in shown.items() if not used <= by_number.keys()}
     stand_ins = []
     for piece, name in zip(prepared.pieces, spec.objects or (prepared.name,), strict=True):
         slots: tuple[bpy.types.Material | None, ...] = (materials.get(None),)
+        if by_number:
+            slots = _own_slots(piece.mesh, by_number, materials.get(None))
         if piece.part is not None:
             slots = tuple(materials.get(number, own) for number, own in _slots(piece.mesh, piece.part))
         if piece.single is not None:
@@ -138,18 +149,26 @@ def _slots(mesh: bpy.types.Mesh, part: Ints) -> list[tuple[int, bpy.types.Materi
     return found
 
 
-def _material(
+def _own_slots(
+    mesh: bpy.types.Mesh, own: Mapping[int, bpy.types.Material], other: bpy.types.Material | None
+) -> tuple[bpy.types.Material | None, ...]:
+    """The materials of a mesh's slots: their `own`, by number, or the `other`."""
+    numbers = numbers_of_slots(mesh)
+    count = max(len(mesh.materials), 1)
+    return tuple(own.get(numbers.get(slot, -1), other) for slot in range(count))
+
+
+def _preview_of(
     title: str,
     spec: BakeSpec,
     files: OutputFiles,
     prepared: PreviewNeeds,
     preview: Filter,
     scene: bpy.types.Scene,
-) -> bpy.types.Material:
+) -> PreviewOf:
     clear = spec.kind.traits.looks_at_surface and scene.render.film_transparent
     closed = clear and all(is_closed(piece.mesh) for piece in prepared.pieces)
     doubled = any(piece.single is not None for piece in prepared.pieces)  # a back has a face of its own
     hull = spec.kind.traits.content or closed or doubled  # only fronts are shown
     sidecar = files.sidecar.absolute()
-    of = PreviewOf(title, spec, sidecar, prepared.uv_layer, scene, preview, hull)
-    return form_for(spec).material(of)
+    return PreviewOf(title, spec, sidecar, prepared.uv_layer, scene, preview, hull)

@@ -18,6 +18,7 @@ import bpy
 
 from ..formats.sidecar import part_in
 from ..formats.sidecar_file import AnySidecar, SidecarFile, opened
+from ..scene.kept_images import kept_number
 from .lit_material import follow_sun_in
 from .load import PREVIEW_TAG, load_baked_meshes, remove_unused
 from .save import MATERIAL_PREFIX
@@ -89,6 +90,8 @@ def _title(
         taken: Any = bpy.data.materials.get(plain)
         name = material.name if taken is None or taken in loaded else plain
         title = f"{name.removeprefix(MATERIAL_PREFIX)}.{file.facts.text('kind')}"
+    elif number := kept_number(material):
+        title = f"{title}.{number}"
     return title + OSL_SUFFIX * is_script
 
 

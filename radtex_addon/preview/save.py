@@ -139,7 +139,8 @@ def save_preview(
         trimmed = session.enter_context(trimmed_scene(scene, shown, hidden))
         images = {block for block in trimmed.used if isinstance(block, bpy.types.Image)}
         _warn_of_unsaved(images, path)
-        session.enter_context(packed_images_shared(images - _images_shown(stand_ins), path.parent))
+        ours = _images_shown(stand_ins) - _images_of_originals(stand_ins)
+        session.enter_context(packed_images_shared(images - ours, path.parent))
         try:
             bpy.data.libraries.write(str(beside), {trimmed.scene}, path_remap="RELATIVE", compress=True)
         except (RuntimeError, OSError) as error:
@@ -221,7 +222,7 @@ def _relative_images(stand_ins: Sequence[StandIn]) -> Iterator[None]:
 
     If the open file was never saved, nothing can be relative to it; Blender then makes all paths relative.
     """
-    images = _images_shown(stand_ins)
+    images = _images_shown(stand_ins) - _images_of_originals(stand_ins)
     paths = {image: image.filepath_raw for image in images if not image.packed_file}
     try:
         if bpy.data.filepath:
@@ -239,6 +240,12 @@ def _images_shown(stand_ins: Sequence[StandIn]) -> set[bpy.types.Image]:
     own = {slot.material for stand_in in stand_ins for slot in stand_in.original.material_slots}
     shown = [material for material in worn - own if material is not None]
     return {image for material in shown for image in images_of(material.node_tree)}
+
+
+def _images_of_originals(stand_ins: Sequence[StandIn]) -> set[bpy.types.Image]:
+    """The images of the materials that were baked, which some previews show, too."""
+    own = [slot.material for stand_in in stand_ins for slot in stand_in.original.material_slots]
+    return {image for material in own if material is not None for image in images_of(material.node_tree)}
 
 
 def images_of(tree: bpy.types.NodeTree | None) -> set[bpy.types.Image]:

@@ -28,14 +28,19 @@ _SHEARED = 1e-5  # times a matrix's largest value: how far location, rotation an
 
 @contextmanager
 def baked_copy(
-    preview: Path, names: Sequence[str], uv_layer: str, part: int | None = None
+    preview: Path,
+    names: Sequence[str],
+    uv_layer: str,
+    part: int | None = None,
+    more_layers: Sequence[str] = (),
 ) -> Iterator[tuple[bpy.types.Scene, bpy.types.Object]]:
     """The baked copy called `names[0]` of a preview's .blend, alone in a scene of its own, as it was baked.
 
     It has its place from the bake, without parent, animation and constraints; a matrix that shears is applied
     to the mesh. Several copies, which share an atlas, are joined into one object whose mesh is in world
-    space; so is part number `part` of a split bake. All loaded data are removed at exit. Raises InputError if
-    there is no preview, FormatError if Blender cannot read it or if it is not of a bake on `uv_layer`.
+    space, with `more_layers` of UVs; so is part number `part` of a split bake. All loaded data are removed at
+    exit. Raises InputError if there is no preview, FormatError if Blender cannot read it or if it is not of a
+    bake on `uv_layer`.
     """
     check_preview(preview)
     with appended(preview, names) as loaded:
@@ -49,7 +54,7 @@ def baked_copy(
             alone = len(copies) == 1 and part is None
             for copy in copies:
                 settle(copy, copy.data, _matrix_at_bake(copy), whole=not alone)
-            found = copies[0] if alone else _joined(scene, copies, uv_layer, part)
+            found = copies[0] if alone else _joined(scene, copies, uv_layer, part, more_layers)
             scene.view_layers[0].update()
             yield scene, found
         finally:
@@ -74,10 +79,14 @@ def _checked(
 
 
 def _joined(
-    scene: bpy.types.Scene, copies: Sequence[bpy.types.Object], uv_layer: str, part: int | None
+    scene: bpy.types.Scene,
+    copies: Sequence[bpy.types.Object],
+    uv_layer: str,
+    part: int | None,
+    more_layers: Sequence[str],
 ) -> bpy.types.Object:
     """Replace the copies in the scene by one object that joins them."""
-    found = joined_copy(copies, uv_layer, part)
+    found = joined_copy(copies, uv_layer, part, more_layers)
     for copy in copies:
         scene.collection.objects.unlink(copy)
     scene.collection.objects.link(found)

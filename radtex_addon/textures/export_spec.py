@@ -12,7 +12,7 @@ from ..bake.layers import Layer
 from ..core.errors import InputError
 from ..core.messages import Setting, do, leave_out
 from ..settings.choices import parse_layer
-from ..settings.targets import Target, TextureFormat
+from ..settings.targets import MOST_PIXELS, Target, TextureFormat
 
 __all__ = ["Arrangement", "ExportSpec", "ExportStep", "ExportTask", "Target", "TextureFormat"]
 
@@ -26,6 +26,7 @@ class Arrangement(StrEnum):
 
 LEAST_PIXELS = 16
 MOST_LEVELS = 15
+IMAGE_LIMIT = 2048  # pixels along a side
 
 
 @dataclass(frozen=True)
@@ -36,6 +37,8 @@ class ExportSpec:
     side, None for the target's default. `layers` of the bake are exported in addition to the whole, each
     once. An export that takes more than `memory_mb`, beside Blender, is refused. `mirror` adds a moving
     mirror ball; `sky` is the linear colour that it shows where a ray meets nothing, None for the default.
+    `image_limit` is the most pixels along a side of the images that materials are shown by; with 0 the bake's
+    own maps show them.
     """
 
     target: Target
@@ -48,6 +51,7 @@ class ExportSpec:
     memory_mb: int | None = None
     mirror: bool = False
     sky: tuple[float, float, float] | None = None
+    image_limit: int = IMAGE_LIMIT
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "layers", tuple(dict.fromkeys(map(parse_layer, self.layers or ()))))
@@ -69,6 +73,16 @@ class ExportSpec:
             raise InputError(f"mirror's sky {self.sky}: give three numbers of 0 or more")
         if self.limit is not None and self.limit < LEAST_PIXELS:
             raise InputError(f"limit {self.limit}: a texture needs {LEAST_PIXELS} pixels at least")
+
+        if self.image_limit and not LEAST_PIXELS <= self.image_limit <= MOST_PIXELS:
+            raise InputError(
+                f"{self.image_limit} pixels for images: give 0, or {LEAST_PIXELS} to {MOST_PIXELS}"
+            )
+
+    @property
+    def shows_images(self) -> bool:
+        """Whether materials are shown by their own images, whose coordinates a mirror ball does not know."""
+        return self.target.traits.images and self.image_limit > 0 and not self.mirror
 
     @property
     def most_pixels(self) -> int:

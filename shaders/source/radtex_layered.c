@@ -46,6 +46,9 @@
 // What the bake has. RADTEX_MIRRORS: any of its materials has lobes. RADTEX_TINT, RADTEX_NORMAL, RADTEX_WIDTH,
 // RADTEX_ALPHA, RADTEX_PLANE, RADTEX_THINGS (with distances): these layers. RADTEX_LAMPS: how many, 0 to 8.
 @end
+@in glsl godot
+// RADTEX_IMAGES: the material is shown by its own images, in place of colour, tint and normal: call radtex_layered_images.
+@end
 @in glsl hlsl
 // RADTEX_OWN_CELLS, RADTEX_REST_CELLS: cells along the sides of buckets.
 @in godot
@@ -129,11 +132,26 @@ precision highp sampler2D;
 @in glsl godot
 // By N.V: the falloff, and the sine by which lobes bend towards the normal.
 uniform vec4 radtex_material[16 * RADTEX_MATERIALS];
-uniform sampler2D radtex_colour_map, radtex_irradiance_map, radtex_rest_map;
-uniform vec4 radtex_colour_range;  // part of width and height, scale, offset
-uniform vec4 radtex_irradiance_range;
+uniform sampler2D radtex_irradiance_map, radtex_rest_map;
+uniform vec4 radtex_irradiance_range;  // part of width and height, scale, offset
 uniform vec4 radtex_rest_range;  // the size of a tile in place of the part
 uniform vec4 radtex_rest_tile;  // size of a tile without its padding, and half a texel, in units of a tile
+#ifdef RADTEX_IMAGES
+uniform vec4 radtex_images[3 * RADTEX_MATERIALS];  // as radtex_look_of takes them
+@end
+@in glsl
+uniform sampler2D radtex_base_map;  // the base colour, its format sRGB
+uniform sampler2D radtex_metal_map;  // green: roughness, blue: metal
+uniform sampler2D radtex_bump_map;  // the normal map
+@in godot
+uniform sampler2D radtex_base_map : filter_linear_mipmap_anisotropic, repeat_enable, hint_default_white;  // sRGB
+uniform sampler2D radtex_metal_map : filter_linear_mipmap_anisotropic, repeat_enable, hint_default_white;  // green, blue
+uniform sampler2D radtex_bump_map : filter_linear_mipmap_anisotropic, repeat_enable, hint_normal;
+@end
+@in glsl godot
+#else
+uniform sampler2D radtex_colour_map;
+uniform vec4 radtex_colour_range;
 #ifdef RADTEX_TINT
 uniform sampler2D radtex_tint_map;
 uniform vec4 radtex_tint_range;
@@ -141,6 +159,7 @@ uniform vec4 radtex_tint_range;
 #ifdef RADTEX_NORMAL
 uniform sampler2D radtex_normal_map;
 uniform vec4 radtex_normal_range;
+#endif
 #endif
 #ifdef RADTEX_ALPHA
 uniform sampler2D radtex_alpha_map;
@@ -314,11 +333,15 @@ struct RadtexMaterial {
 @group(1) @binding(14) var radtex_distances_map: texture_2d<f32>;
 @in godot
 
+vec3 radtex_from_srgb(vec3 coded) {
+    vec3 curved = pow((coded + 0.055) / 1.055, vec3(2.4));
+    return mix(curved, coded / 12.92, lessThan(coded, vec3(0.04045)));
+}
+
 // What is fetched from a texture that holds sRGB.
 vec4 radtex_decoded(vec4 texel) {
 #ifdef RADTEX_SRGB
-    vec3 curved = pow((texel.rgb + 0.055) / 1.055, vec3(2.4));
-    return vec4(mix(curved, texel.rgb / 12.92, lessThan(texel.rgb, vec3(0.04045))), texel.a);
+    return vec4(radtex_from_srgb(texel.rgb), texel.a);
 #else
     return texel;
 #endif
@@ -618,32 +641,100 @@ vec3 radtex_mirrored(vec3 from, vec3 ray, vec4 met, vec4 own, vec4 lobe) {
 }
 #endif
 
+// A material at a place: the colour of its diffuse light, what its lobes are multiplied by, its normal, and its alpha,
+// by which both are multiplied.
+struct RadtexLook {
+    vec3 colour;
+    vec3 tint;
+    vec3 normal;
+    float opacity;
+};
+
+// That of a Principled BSDF whose maps are images, by what these hold at the place: base colour (linear), roughness and
+// metal, and the normal map. Each of three vectors of the material's has a colour: of diffuse light, of what is no metal,
+// of metal; and a number: what metal is multiplied by, the normal map's strength, and by how much roughness to the fourth
+// dims what is no metal. T and B are the tangents of the images'
+// texture coordinates, with the normal `face` interpolated but not normalised; `opacity` is radtex_alpha.
+RadtexLook radtex_look_of(vec4 diffuse, vec4 dull, vec4 shiny, vec3 base, vec2 rough, vec3 bump, vec3 T, vec3 B,
+    vec3 face, float opacity) {
+    float part = diffuse.a * rough.y, squared = rough.x * rough.x, fades = 1.0 - shiny.a * squared * squared;
+    vec3 turn = 2.0 * bump - 1.0, N = face * inversesqrt(max(dot(face, face), 1e-12));
+    vec3 mapped = turn.x * T + turn.y * B + turn.z * face;
+    mapped *= inversesqrt(max(dot(mapped, mapped), 1e-12));
+    RadtexLook look;
+    look.colour = diffuse.rgb * base * (opacity * (1.0 - part));
+    look.tint = opacity * (dull.rgb * (fades * (1.0 - part)) + shiny.rgb * base * part);
+    look.normal = N + dull.a * (mapped - N);
+    look.opacity = opacity;
+    return look;
+}
 @in glsl godot
+
+#ifdef RADTEX_IMAGES
+// The same of the images that are bound, at their texture coordinates `place`, of the material with that number.
+RadtexLook radtex_look_of_images(int material, vec2 place, vec2 uv, vec3 T, vec3 B, vec3 face) {
+#ifdef RADTEX_NO_DERIVATIVES
+    vec3 base = textureLod(radtex_base_map, place, 0.0).rgb, bump = textureLod(radtex_bump_map, place, 0.0).rgb;
+    vec2 rough = textureLod(radtex_metal_map, place, 0.0).gb;
+#else
+    vec3 base = texture(radtex_base_map, place).rgb, bump = texture(radtex_bump_map, place).rgb;
+    vec2 rough = texture(radtex_metal_map, place).gb;
+#endif
+@end
+@in godot
+    vec2 turn = 2.0 * bump.xy - 1.0;  // of what it imports as a normal map, Godot keeps two channels
+    bump.z = 0.5 + 0.5 * sqrt(max(1.0 - dot(turn, turn), 0.0));
+    base = radtex_from_srgb(base);  // Compatibility decodes no source_color
+@end
+@in glsl godot
+    vec4 diffuse = radtex_images[3 * material], dull = radtex_images[3 * material + 1];
+    vec4 shiny = radtex_images[3 * material + 2];
+    return radtex_look_of(diffuse, dull, shiny, base, rough, bump, T, B, face, radtex_alpha(uv));
+}
+#else
+@end
+@in hlsl wgsl
+
+@end
+// The same by the bake's maps; `face` is the mesh's unit normal.
+RadtexLook radtex_look(vec2 uv, vec3 face) {
+    RadtexLook look;
+    look.opacity = radtex_alpha(uv);
+    look.colour = radtex_colours(radtex_colour_map, radtex_colour_range, uv);
+    look.tint = vec3(look.opacity, look.opacity, look.opacity);
+    look.normal = face;
+#ifdef RADTEX_TINT
+    look.tint = radtex_colours(radtex_tint_map, radtex_tint_range, uv);
+#endif
+#ifdef RADTEX_NORMAL
+    look.normal = radtex_map(radtex_normal_map, radtex_normal_range, uv).xyz;
+#endif
+    return look;
+}
+@in glsl godot
+#endif
+
 // Radiance towards the viewer, in the unit direction V, from a place at `position` whose unit normal is `face`, of the
-// material with that number.
-vec3 radtex_layered_of(int material, vec2 uv, vec3 position, vec3 face, vec3 V) {
-@else
-// Radiance towards the viewer, in the unit direction V, from a place at `position` whose unit normal is `face`.
-vec3 radtex_layered(vec2 uv, vec3 position, vec3 face, vec3 V) {
+// material with that number, which looks so.
+vec3 radtex_lit_of(int material, vec2 uv, vec3 position, vec3 face, vec3 V, RadtexLook look) {
+@end
+@in hlsl wgsl
+
+// Radiance towards the viewer, in the unit direction V, from a place at `position` whose unit normal is `face`, of a
+// material that looks so.
+vec3 radtex_lit(vec2 uv, vec3 position, vec3 face, vec3 V, RadtexLook look) {
     const int material = 0;
 @end
-    vec3 N = face;
-#ifdef RADTEX_NORMAL
-    vec3 shading = radtex_map(radtex_normal_map, radtex_normal_range, uv).xyz;
-    shading *= inversesqrt(max(dot(shading, shading), 1e-12));
-    N = dot(shading, N) > 0.3 ? shading : N;
-#endif
-    float opacity = radtex_alpha(uv), cosine = dot(N, V), curve = clamp(cosine * 16.0 - 0.5, 0.0, 15.0);
+    vec3 shading = look.normal * inversesqrt(max(dot(look.normal, look.normal), 1e-12));
+    vec3 N = dot(shading, face) > 0.3 ? shading : face;
+    float cosine = dot(N, V), curve = clamp(cosine * 16.0 - 0.5, 0.0, 15.0);
     float below = min(floor(curve), 14.0), above = curve - below;
     int low = 16 * material + int(below);
     vec4 facts = mix(radtex_material[low], radtex_material[low + 1], above);
-    vec3 light = radtex_colours(radtex_colour_map, radtex_colour_range, uv)
-        * radtex_map(radtex_irradiance_map, radtex_irradiance_range, uv).rgb * facts.rgb;
+    vec3 light = look.colour * radtex_map(radtex_irradiance_map, radtex_irradiance_range, uv).rgb * facts.rgb;
     vec3 axis = 2.0 * cosine * N - V;
-#ifdef RADTEX_NORMAL
     axis += max(0.01 - dot(axis, face), 0.0) * face;  // no lower than the surface
     axis *= inversesqrt(dot(axis, axis));
-#endif
     vec2 place = radtex_square(axis);
 #ifdef RADTEX_MIRRORS
     vec3 from = position - radtex_middle.xyz;
@@ -664,22 +755,40 @@ vec3 radtex_layered(vec2 uv, vec3 position, vec3 face, vec3 V) {
     lobe.a += wider;
     mirrored += radtex_mirrored(from, ray, met, own, lobe);
 #endif
-#ifdef RADTEX_TINT
-    light += mirrored * radtex_colours(radtex_tint_map, radtex_tint_range, uv);
-#else
-    light += mirrored * opacity;
-#endif
+    light += mirrored * look.tint;
 #endif
     vec3 rest = radtex_rest(radtex_rest_map, radtex_rest_range, radtex_rest_tile, float(RADTEX_REST_CELLS), uv, place);
-    light += max(opacity * rest, -0.5 * light);
+    light += max(look.opacity * rest, -0.5 * light);
     return max(light, vec3(0.0, 0.0, 0.0));
 }
 @in glsl godot
+
+#ifdef RADTEX_IMAGES
+// Radiance towards the viewer of the only material that the uniforms tell of, or the first, by its own images: at their
+// texture coordinates `place`, with the tangents of these. T, B and `face` are as radtex_look_of takes them.
+vec3 radtex_layered_images(vec2 uv, vec2 place, vec3 position, vec3 T, vec3 B, vec3 face, vec3 V) {
+    return radtex_lit_of(0, uv, position, normalize(face), V, radtex_look_of_images(0, place, uv, T, B, face));
+}
+#else
+// Radiance towards the viewer, in the unit direction V, from a place at `position` whose unit normal is N, of the
+// material with that number.
+vec3 radtex_layered_of(int material, vec2 uv, vec3 position, vec3 N, vec3 V) {
+    return radtex_lit_of(material, uv, position, N, V, radtex_look(uv, N));
+}
 
 // The same of the only material that the uniforms tell of, or the first.
 vec3 radtex_layered(vec2 uv, vec3 position, vec3 N, vec3 V) {
     return radtex_layered_of(0, uv, position, N, V);
 }
+#endif
+@end
+@in hlsl wgsl
+
+// Radiance towards the viewer, in the unit direction V, from a place at `position` whose unit normal is N.
+vec3 radtex_layered(vec2 uv, vec3 position, vec3 N, vec3 V) {
+    return radtex_lit(uv, position, N, V, radtex_look(uv, N));
+}
+@end
 @in hlsl
 
 #endif

@@ -5,13 +5,15 @@
 from __future__ import annotations
 
 import io
+import struct
+import zlib
 
 import numpy as np
 import pytest
 from PIL import Image
 
 from radtex_addon.core.errors import ShapeError
-from radtex_addon.formats.containers.png import encode_png
+from radtex_addon.formats.containers.png import encode_png, without_colour_space
 
 
 def test_another_program_reads_the_same_levels() -> None:
@@ -26,3 +28,12 @@ def test_another_program_reads_the_same_levels() -> None:
     for shape in ((4, 4), (4, 4, 2), (0, 4, 3)):
         with pytest.raises(ShapeError):
             encode_png(np.zeros(shape))
+
+
+def test_a_colour_space_is_left_out_and_nothing_else() -> None:
+    plain = encode_png(np.linspace(0, 1, 48).reshape(4, 4, 3))
+    gamma = struct.pack(">I4sI", 4, b"gAMA", 45455) + struct.pack(">I", zlib.crc32(b"gAMA\x00\x00\xb1\x8f"))
+    head = plain[:33]  # signature and IHDR
+    assert without_colour_space(head + gamma + plain[33:]) == plain
+    assert without_colour_space(plain) == plain
+    assert without_colour_space(plain[:60]) == plain[:60]

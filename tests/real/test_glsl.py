@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import astuple, replace
 from pathlib import Path
 
@@ -28,7 +29,7 @@ from radtex_addon.forms.layered.shader_values import (
 )
 from tests import transfer_lookups
 from tests.bench.fidelity.layered.conditions import fetches
-from tests.layered_lookups import CASES, Case, assert_agrees, case_of, off
+from tests.layered_lookups import CASES, Case, assert_agrees, case_of, image_case, off
 from tests.lookups import (
     COUNT,
     LAYOUT,
@@ -305,18 +306,25 @@ def code_of(case: Case, cost: LookupCost) -> str:
     return head + "".join((SHADERS / f"{name}.glsl").read_text(encoding="utf-8") for name in names)
 
 
-def run_layered(context: moderngl.Context, version: str, case: Case, cost: LookupCost) -> Floats:
-    """The shader's answers, (N, 3) float32."""
-    program = compiled(context, VERSIONS[version], code_of(case, cost) + LAYERED)
+def layered_textures(
+    context: moderngl.Context, case: Case, layers: Sequence[str]
+) -> dict[str, Floats | Texture]:
+    """Textures of a case's layers, and of what lookups take, by their samplers' names."""
     textures: dict[str, Floats | Texture] = {
         f"radtex_{layer}_map": mipmapped(
             context,
             case.textures[layer],
             moderngl.LINEAR_MIPMAP_LINEAR if len(case.textures[layer]) > 1 else moderngl.LINEAR,
         )
-        for layer in layers_read(case.sidecar, cost)
+        for layer in layers
     }
-    textures |= {name: values.reshape(SIDE, SIDE, -1) for name, values in case.fields.items()}
+    return textures | {name: values.reshape(SIDE, SIDE, -1) for name, values in case.fields.items()}
+
+
+def run_layered(context: moderngl.Context, version: str, case: Case, cost: LookupCost) -> Floats:
+    """The shader's answers, (N, 3) float32."""
+    program = compiled(context, VERSIONS[version], code_of(case, cost) + LAYERED)
+    textures = layered_textures(context, case, layers_read(case.sidecar, cost))
     textures = {name: texture for name, texture in textures.items() if name in program}
     set_values(program, bake_values(case.sidecar, case.stored, cost))
 
@@ -332,6 +340,45 @@ def run_layered(context: moderngl.Context, version: str, case: Case, cost: Looku
 def test_the_layered_layout_agrees(context: moderngl.Context, version: str, name: str) -> None:
     case = case_of(name)
     assert_agrees(f"{version}, {name}", run_layered(context, version, case, FULL), case)
+
+
+BY_IMAGES = """
+uniform sampler2D uvs, positions, normals, viewers, tangents, bitangents, places;
+out vec4 result;
+void main() {
+    ivec2 here = ivec2(gl_FragCoord.xy);
+    vec3 N = texelFetch(normals, here, 0).xyz, V = texelFetch(viewers, here, 0).xyz;
+    vec3 T = texelFetch(tangents, here, 0).xyz, B = texelFetch(bitangents, here, 0).xyz;
+    vec2 uv = texelFetch(uvs, here, 0).xy, place = texelFetch(places, here, 0).xy;
+    result = vec4(radtex_layered_images(uv, place, texelFetch(positions, here, 0).xyz, T, B, N, V), 1.0);
+}
+"""
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+@pytest.mark.parametrize("name", ["made up", "clear", "opaque, in ranges"])
+def test_materials_of_images_agree(context: moderngl.Context, version: str, name: str) -> None:
+    of_images = image_case(name)
+    case = of_images.case
+    names = set(definitions(case.sidecar, FULL)) - {"RADTEX_TINT", "RADTEX_NORMAL", "RADTEX_THROUGH"}
+    told = {name: value for name, value in definitions(case.sidecar, FULL).items() if name in names}
+    told |= {"RADTEX_IMAGES": 1, "RADTEX_NO_DERIVATIVES": 1}
+    head = "".join(f"#define {key} {value}\n" for key, value in told.items())
+    text = (SHADERS / "radtex_layered.glsl").read_text(encoding="utf-8")
+    program = compiled(context, VERSIONS[version], head + text + BY_IMAGES)
+    textures = layered_textures(context, case, layers_read(case.sidecar, FULL))
+    textures |= {key: mipmapped(context, [each], moderngl.LINEAR) for key, each in of_images.images.items()}
+    textures["places"] = of_images.place.reshape(SIDE, SIDE, 2)
+    textures = {key: texture for key, texture in textures.items() if key in program}
+    assert "radtex_colour_map" not in textures
+    set_values(program, bake_values(case.sidecar, case.stored, FULL))
+
+    def with_material(number: int) -> Floats:
+        values = material_values(case.sidecar, number, FULL)
+        set_values(program, values | {"radtex_images": of_images.looks[number].rows})
+        return drawn(context, program, textures, SIDE)
+
+    assert_agrees(f"{version}, {name}, by images", case.by_material(with_material), of_images)
 
 
 @pytest.mark.parametrize(

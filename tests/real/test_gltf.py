@@ -17,6 +17,8 @@ from radtex_addon.export.exporting_scene import export_scene_steps
 from radtex_addon.formats.containers.glb import Glb
 from radtex_addon.textures.export_spec import ExportSpec, Target
 from tests.blender.every_kind import EXPORTS, every_kind
+from tests.blender.image_stage import bake_crate
+from tests.finished_bakes import finished_bake
 from tests.gltf_schema import EXTENSION_FOLDER
 from tests.real.browser import Shown, decoded
 from tests.real.exhibit import CAMERAS, SUBDIVISIONS, Bake, Exhibit, Form
@@ -53,6 +55,10 @@ def test_the_validator_finds_no_error_in_any_export(
     sidecars = every_kind(tmp_path / "bakes")
     for name, (kind, spec) in EXPORTS.items():
         made = finished(export_steps(sidecars[kind], spec, tmp_path / name))
+        files.append(made.folder / f"{made.name}.glb")
+    for name, mixed in (("crate", False), ("mixed", True)):
+        crate = Bake(finished_bake(tmp_path / f"{name}-bake", bake_crate, mixed=mixed))
+        made = finished(export_steps(crate.sidecar, ExportSpec(Target.GLTF), tmp_path / name))
         files.append(made.folder / f"{made.name}.glb")
     made = finished(export_scene_steps(room, ExportSpec(Target.GLTF), "Room", tmp_path / "room"))
     files.append(made.folder / "Room.glb")

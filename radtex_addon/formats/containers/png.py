@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Encode PNG images, to embed them in HTML pages."""
+"""Encode PNG images, to embed them in HTML pages and glTF; and leave out what glTF has no use for."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from ...core.errors import ShapeError
 
 _SIGNATURE = b"\x89PNG\r\n\x1a\n"
 _EIGHT_BITS = 8
+_IGNORED = frozenset((b"gAMA", b"cHRM", b"iCCP", b"pHYs", b"acTL", b"fcTL", b"fdAT"))
 _COLOUR_TYPES = {3: 2, 4: 6}  # by channels: RGB, RGBA
 
 
@@ -34,6 +35,22 @@ def encode_png(picture: Floats) -> bytes:
     header = struct.pack(">IIBBBBB", width, height, _EIGHT_BITS, _COLOUR_TYPES[channels], 0, 0, 0)
     pixels = zlib.compress(rows.tobytes(), 9)
     return _SIGNATURE + _chunk(b"IHDR", header) + _chunk(b"IDAT", pixels) + _chunk(b"IEND", b"")
+
+
+def without_colour_space(file: bytes) -> bytes:
+    """A PNG without what it says of its colour space, its pixels' shape and animation, which glTF ignores.
+
+    A file that is cut short stays as it is.
+    """
+    kept, place = [file[: len(_SIGNATURE)]], len(_SIGNATURE)
+    while place + 8 <= len(file):
+        end = place + 12 + int.from_bytes(file[place : place + 4])
+        if end > len(file):
+            return file
+        if file[place + 4 : place + 8] not in _IGNORED:
+            kept.append(file[place:end])
+        place = end
+    return b"".join(kept)
 
 
 def _chunk(name: bytes, data: bytes) -> bytes:

@@ -170,7 +170,9 @@ class Bits(Buckets):
     def check_textures(self, sidecar: SidecarFile, spec: ExportSpec) -> None:
         check_shadow_texture(sidecar, spec)
 
-    def write_textures(self, sidecar: SidecarFile, spec: ExportSpec, folder: Path) -> dict[str, TextureEntry]:
+    def write_textures(
+        self, sidecar: SidecarFile, spec: ExportSpec, folder: Path, images: bool = False
+    ) -> dict[str, TextureEntry]:
         return write_shadow_texture(sidecar, spec, folder)
 
     def includes(self, bake: Mapping[str, Any]) -> tuple[str, ...]:

@@ -26,6 +26,7 @@ from ...formats.sidecar_file import AnySidecar, SidecarFile
 from ...preview.material import preview_material
 from ...preview.node_group import check_previewable
 from ...preview.osl import add_osl_node
+from ...scene.image_materials import ImageMaterial
 from ...settings.cost import Cost, cost_of_images
 from ...settings.forms import BUCKETS, FormTraits
 from ...settings.kinds import KINDS, Kind, Light
@@ -72,6 +73,9 @@ class Buckets:
         layout, atlas = layout_in(of.sidecar), of.sidecar.with_suffix(".exr")
         return preview_material(of.title, atlas, layout, of.uv_layer, of.filter, of.spec.half, of.hull)
 
+    def materials(self, of: PreviewOf, images: Mapping[int, ImageMaterial]) -> dict[int, bpy.types.Material]:
+        return {}
+
     def script_node(self, tree: bpy.types.NodeTree, sidecar: SidecarFile) -> bpy.types.Node:
         atlas = sidecar.path.with_suffix(".exr").absolute()
         return add_osl_node(tree, atlas, layout_in(sidecar), Filter.QUADRILINEAR)
@@ -113,6 +117,12 @@ class Buckets:
         facts = read_sidecar(sidecar)
         return _TEXEL * facts.width * facts.height
 
+    def own_images(self, sidecar: SidecarFile) -> tuple[int, ...]:
+        return ()
+
+    def material_count(self, sidecar: SidecarFile) -> int:
+        return 1
+
     def textures_of(self, facts: Facts, present: Collection[str]) -> tuple[str, ...]:
         kind = Sidecar.from_facts(facts).kind
         return (kind, *(layer for layer in facts.texts("layers") if layer in present))
@@ -125,7 +135,9 @@ class Buckets:
     def check_textures(self, sidecar: SidecarFile, spec: ExportSpec) -> None:
         check_buckets(sidecar, spec)
 
-    def write_textures(self, sidecar: SidecarFile, spec: ExportSpec, folder: Path) -> dict[str, TextureEntry]:
+    def write_textures(
+        self, sidecar: SidecarFile, spec: ExportSpec, folder: Path, images: bool = False
+    ) -> dict[str, TextureEntry]:
         return write_buckets(sidecar, spec, folder)
 
     def includes(self, bake: Mapping[str, Any]) -> tuple[str, ...]:
@@ -147,7 +159,7 @@ class Buckets:
         return [*defines(entry), *lookups]
 
     def shader_facts(
-        self, bake: Mapping[str, Any], textures: Mapping[str, TextureEntry]
+        self, bake: Mapping[str, Any], textures: Mapping[str, TextureEntry], images: bool = False
     ) -> dict[str, Any] | None:
         return None
 

@@ -24,6 +24,7 @@ from ..bake_job import BakeJob
 from ..buckets.previous_atlas import difference
 from ..outcome import Outcome
 from .capture.capturing import capture_layered, material_count
+from .capture.image_looks import image_looks
 from .files.layered_files import read_layered, write_layered
 from .files.sidecar import MOST_MATERIALS
 from .fit.fitting import fit_layered
@@ -88,9 +89,11 @@ def bake_layered(job: BakeJob) -> Generator[Progress, None, Outcome]:
         job.scratch, prepared, spec, job.folder, job.store, job.thumbnail, around, job.surroundings
     )
     plan = captured.capture.light.plan
+    looks = image_looks(prepared, captured.capture, captured.triangle)
     atlas = yield from fit_layered(captured.capture, known=known)
     if known is not None:
         atlas = merged(known, atlas)
+    atlas = replace(atlas, looks=looks)
     yield Progress(Stage.WRITE, 0, 1)
     written = write_layered(job.place, atlas, facts, spec.half, spec.compression)
     return Outcome(

@@ -19,6 +19,7 @@ from ...formats.image_files import Shapes, layer_path
 from ...formats.json_reader import Facts
 from ...formats.sidecar import Sidecar
 from ...formats.sidecar_file import SidecarFile, opened
+from ...scene.image_materials import ImageMaterial
 from ...settings.cost import Cost, cost_of_images
 from ...settings.forms import LAYERED, FormTraits
 from ...settings.rays import coarser, finer
@@ -42,6 +43,7 @@ from .files.arrangement import (
     EXIT_PLACE,
     IRRADIANCE,
     NORMAL,
+    OF_IMAGES,
     OWN,
     PICTURES,
     REST,
@@ -56,7 +58,11 @@ from .files.layered_files import read_layered, read_layered_sidecar
 from .hlsl import layered_lookup
 from .lookup.atlas import sample_layered
 from .lookup.blurred_levels import level_count
-from .preview.material import check_layered_previewable, preview_layered_material
+from .preview.material import (
+    check_layered_previewable,
+    preview_layered_material,
+    preview_materials_of_images,
+)
 from .preview.osl import add_layered_osl_node
 from .shader_values import exported_facts
 from .textures import check_layered_textures, flat_layered, own_texels, write_layered_textures
@@ -87,6 +93,9 @@ class Layered:
 
     def material(self, of: PreviewOf) -> bpy.types.Material:
         return preview_layered_material(of.title, of.sidecar, of.uv_layer, of.spec.half, of.hull)
+
+    def materials(self, of: PreviewOf, images: Mapping[int, ImageMaterial]) -> dict[int, bpy.types.Material]:
+        return preview_materials_of_images(of.title, of.sidecar, of.uv_layer, images, of.spec.half, of.hull)
 
     def script_node(self, tree: bpy.types.NodeTree, sidecar: SidecarFile) -> bpy.types.Node:
         return add_layered_osl_node(tree, opened(sidecar.path.absolute()))
@@ -123,8 +132,16 @@ class Layered:
         shapes = read_layered_sidecar(sidecar).shapes
         return _VALUE * sum(width * height * channels for width, height, channels in shapes.values())
 
+    def own_images(self, sidecar: SidecarFile) -> tuple[int, ...]:
+        looks = read_layered_sidecar(sidecar).looks
+        return tuple(number for number, look in enumerate(looks) if look is not None)
+
+    def material_count(self, sidecar: SidecarFile) -> int:
+        return len(read_layered_sidecar(sidecar).materials)
+
     def textures_of(self, facts: Facts, present: Collection[str]) -> tuple[str, ...]:
-        return facts.texts("layers")
+        layers = facts.texts("layers")
+        return tuple(layer for layer in layers if layer in present or layer not in OF_IMAGES)
 
     def flat(self, sidecar: SidecarFile, surface: SurfaceMesh) -> Generator[ExportStep, None, Floats]:
         return flat_layered(sidecar, surface)
@@ -132,8 +149,10 @@ class Layered:
     def check_textures(self, sidecar: SidecarFile, spec: ExportSpec) -> None:
         check_layered_textures(sidecar, spec)
 
-    def write_textures(self, sidecar: SidecarFile, spec: ExportSpec, folder: Path) -> dict[str, TextureEntry]:
-        return write_layered_textures(sidecar, spec, folder)
+    def write_textures(
+        self, sidecar: SidecarFile, spec: ExportSpec, folder: Path, images: bool = False
+    ) -> dict[str, TextureEntry]:
+        return write_layered_textures(sidecar, spec, folder, OF_IMAGES if images else ())
 
     def includes(self, bake: Mapping[str, Any]) -> tuple[str, ...]:
         through = "through" in bake["layered"]
@@ -147,9 +166,9 @@ class Layered:
         ]
 
     def shader_facts(
-        self, bake: Mapping[str, Any], textures: Mapping[str, TextureEntry]
+        self, bake: Mapping[str, Any], textures: Mapping[str, TextureEntry], images: bool = False
     ) -> dict[str, Any] | None:
-        return exported_facts(bake, textures)
+        return exported_facts(bake, textures, images)
 
     def hlsl(
         self, bake: Mapping[str, Any], textures: Mapping[str, TextureEntry], target: Target

@@ -27,6 +27,7 @@ from .files.arrangement import (
     EXIT_PLACE,
     IRRADIANCE,
     NORMAL,
+    OF_IMAGES,
     OWN,
     PLANE,
     REST,
@@ -125,13 +126,21 @@ def shader_facts(
     }
 
 
-def exported_facts(bake: Mapping[str, Any], textures: Mapping[str, TextureEntry]) -> dict[str, Any]:
+def exported_facts(
+    bake: Mapping[str, Any], textures: Mapping[str, TextureEntry], images: bool = False
+) -> dict[str, Any]:
     """The `shader_facts` of an exported bake with this sidecar's JSON and these textures.
 
+    With `images` materials are shown by their own images, where they can be, which may replace some layers.
     RADTEX_SRGB is defined where the shader has to decode colours, since the textures' formats say not that
     they are sRGB.
     """
     sidecar = LayeredSidecar.from_facts(Facts(dict(bake), "the bake"))
+    there = tuple(layer for layer in sidecar.bake.layers if layer in textures or layer not in OF_IMAGES)
+    if images:
+        sidecar = replace(sidecar, bake=replace(sidecar.bake, layers=there))
+    else:
+        sidecar = replace(sidecar, looks=())
     stored = {layer: _stored(entry) for layer, entry in textures.items()}
     if DISTANCES in stored:
         stored[DISTANCES] = replace(stored[DISTANCES], mean=sidecar.nearness)
@@ -219,6 +228,9 @@ def material_values(sidecar: LayeredSidecar, number: int, cost: LookupCost = DEF
         spread = np.log2(material.variance)[..., None]
         lobes = np.concatenate([material.weight, spread], axis=2) if cost.second_lobe else _merged(material)
         values["radtex_lobes"] = _rows(lobes.reshape(2 * STEPS, 4))
+    look = sidecar.every_look[number]
+    if look is not None:
+        values["radtex_images"] = _rows(np.array(look.rows))
     return values
 
 

@@ -8,7 +8,7 @@ is of.
 
 from __future__ import annotations
 
-from collections.abc import Generator
+from collections.abc import Collection, Generator
 from dataclasses import replace
 from pathlib import Path
 
@@ -92,11 +92,17 @@ def mean_of_layered(
     return dilate(light, nearest_covered(texels.covered))
 
 
-def write_layered_textures(sidecar: SidecarFile, spec: ExportSpec, folder: Path) -> dict[str, TextureEntry]:
-    """As `Form.write_textures`. What is no light becomes RGBA16F where `spec` asks for no blocks."""
+def write_layered_textures(
+    sidecar: SidecarFile, spec: ExportSpec, folder: Path, without: Collection[str] = ()
+) -> dict[str, TextureEntry]:
+    """As `Form.write_textures`, `without` some layers.
+
+    What is no light becomes RGBA16F where `spec` asks for no blocks.
+    """
     check_layered_textures(sidecar, spec)
     facts = read_layered_sidecar(sidecar)
-    return {layer: _write_layer(sidecar, facts, layer, spec, folder) for layer in facts.shapes}
+    layers = [layer for layer in facts.shapes if layer not in without]
+    return {layer: _write_layer(sidecar, facts, layer, spec, folder) for layer in layers}
 
 
 def check_layered_textures(sidecar: SidecarFile, spec: ExportSpec) -> None:

@@ -186,7 +186,9 @@ class Sphere(Buckets):
     def check_textures(self, sidecar: SidecarFile, spec: ExportSpec) -> None:
         check_sphere(sidecar, spec)
 
-    def write_textures(self, sidecar: SidecarFile, spec: ExportSpec, folder: Path) -> dict[str, TextureEntry]:
+    def write_textures(
+        self, sidecar: SidecarFile, spec: ExportSpec, folder: Path, images: bool = False
+    ) -> dict[str, TextureEntry]:
         return write_sphere(sidecar, spec, folder)
 
     def includes(self, bake: Mapping[str, Any]) -> tuple[str, ...]:

@@ -71,7 +71,7 @@ def rays_from_cage(places: Floats, surface: SurfaceMesh, texels: TexelMap) -> Fl
     offset = np.zeros(texels.position.shape)
     covered = texels.covered
     corners = surface.triangles[texels.triangle[covered]]
-    weights = _barycentric(surface.position[corners], texels.position[covered].astype(np.float64))
+    weights = barycentric(surface.position[corners], texels.position[covered].astype(np.float64))
     offset[covered] = np.einsum("kc,kcx->kx", weights, moved[corners])
     return offset
 
@@ -118,7 +118,7 @@ def _compare(name: str, simple: _Faces, cage: str, other: _Faces) -> None:
         raise InputError(f"cage '{cage}' has other faces than '{name}', or in another order: {remedy}")
 
 
-def _barycentric(corner: Floats, point: Floats) -> Floats:
+def barycentric(corner: Floats, point: Floats) -> Floats:
     """Barycentric weights (K, 3), never negative, of points (K, 3) in triangles with corners (K, 3, 3)."""
     along, across, to = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0], point - corner[:, 0]
     aa, ab, bb = (

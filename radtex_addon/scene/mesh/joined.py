@@ -11,7 +11,7 @@ from typing import Any, cast
 import bpy
 import numpy as np
 
-from ...core.arrays import Bools, Ints
+from ...core.arrays import Bools, Floats, Ints
 from ...core.surface import SurfaceMesh
 from .backs import TWIN, fronts, twin_numbers
 from .copy import MATERIAL, NORMAL, OBJECT, SIGN, TANGENT, material_numbers, write_face_numbers
@@ -72,11 +72,16 @@ def joined_surface(surfaces: Sequence[SurfaceMesh], faces: Sequence[Bools]) -> S
     )
 
 
-def joined_copy(copies: Sequence[bpy.types.Object], uv_layer: str, part: int | None) -> bpy.types.Object:
+def joined_copy(
+    copies: Sequence[bpy.types.Object],
+    uv_layer: str,
+    part: int | None,
+    more_layers: Sequence[str] = (),
+) -> bpy.types.Object:
     """An object whose mesh has all triangles of the copies' meshes, or only those of part number `part`.
 
     The meshes must be in world space. Only the frame's attributes, the `uv_layer`, the numbers of materials
-    and twins are kept, and each face has the number of its copy.
+    and twins are kept, and `more_layers`, 0 where a mesh lacks one; each face has the number of its copy.
     """
     meshes: list[Any] = [copy.data for copy in copies]
     chosen = [_faces_of(mesh, part) for mesh in meshes]
@@ -91,10 +96,10 @@ def joined_copy(copies: Sequence[bpy.types.Object], uv_layer: str, part: int | N
     used, corners = np.unique(corners, return_inverse=True)
     made: Any = bpy.data.meshes.new(copies[0].name)
     made.from_pydata(place[used], [], corners.reshape(-1, 3))
-    for name, (kind, field, width) in {**_FIELDS, SIGN: _SIGN, uv_layer: _UV}.items():
+    more = dict.fromkeys(more_layers, _UV)
+    for name, (kind, field, width) in {**_FIELDS, SIGN: _SIGN, **more, uv_layer: _UV}.items():
         values = [
-            values_in(mesh.attributes[name].data, field, width).reshape(-1, 3 * width)[faces]
-            for mesh, faces in zip(meshes, chosen, strict=True)
+            _corners_of(mesh, name, field, width)[faces] for mesh, faces in zip(meshes, chosen, strict=True)
         ]
         made.attributes.new(name, kind, "CORNER").data.foreach_set(field, np.concatenate(values).ravel())
     numbers = [material_numbers(mesh)[faces] for mesh, faces in zip(meshes, chosen, strict=True)]
@@ -105,6 +110,14 @@ def joined_copy(copies: Sequence[bpy.types.Object], uv_layer: str, part: int | N
     if twins is not None:
         write_face_numbers(made, TWIN, twins)
     return cast("bpy.types.Object", bpy.data.objects.new(copies[0].name, made))
+
+
+def _corners_of(mesh: Any, name: str, field: str, width: int) -> Floats:
+    """An attribute of the triangles' corners, (F, 3 * width); 0 if the mesh lacks it."""
+    if name not in mesh.attributes:
+        return np.zeros((len(mesh.polygons), 3 * width), dtype=np.float32)
+    found: Floats = values_in(mesh.attributes[name].data, field, width).reshape(-1, 3 * width)
+    return found
 
 
 def _joined_twins(meshes: Sequence[Any], chosen: Sequence[Bools]) -> Ints | None:

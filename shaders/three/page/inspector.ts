@@ -159,6 +159,7 @@ export class Inspector {
       u_tangent: point.tangent,
       u_viewer: toViewer.toArray(),
       u_place: point.place.toArray(),
+      u_images: point.images,
       u_tone: tone,
       toneMappingExposure: renderer.toneMappingExposure,
     };

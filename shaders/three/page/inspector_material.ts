@@ -28,6 +28,7 @@ export function inspectorMaterial(bake: Bake, filter: Filter, stage: Stage, numb
     u_tangent: { value: [1, 0, 0, 1] },
     u_viewer: { value: [0, 0, 1] },
     u_place: { value: [0, 0, 0] },
+    u_images: { value: [0, 0] },
     u_tone: { value: -1 },
     toneMappingExposure: { value: 1 },
   };

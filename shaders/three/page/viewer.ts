@@ -38,6 +38,8 @@ export interface SurfacePoint {
   place: Vector3;
   /** v grows upwards, as in Blender. */
   uv: [number, number];
+  /** Of the images that the material is shown by, if any; v grows downwards, as in glTF. */
+  images: [number, number];
   normal: [number, number, number];
   /** Its fourth number is the bitangent's sign. */
   tangent: [number, number, number, number];
@@ -298,6 +300,7 @@ export class Viewer {
     return {
       place: hit.point,
       uv: [u, 1 - v],
+      images: geometry.hasAttribute("uv_images") ? (between("uv_images") as [number, number]) : [0, 0],
       normal: normal.normalize().toArray(),
       tangent: [...tangent.normalize().toArray(), sign * mirrored],
       material: this.ownerOf(hit.object).numberOf(hit.object),

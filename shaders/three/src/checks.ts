@@ -43,9 +43,11 @@ const VECTORS = new Set([
   ...["things_levels", "distances_size", "plane_place", "plane_eye"].map((name) => `radtex_${name}`),
 ]);
 const LAMPS = ["radtex_lamp_place", "radtex_lamp_light"];
+const OF_IMAGES = "radtex_images"; // of some materials alone
 const OF_MATERIAL = new Map([
   ["radtex_material", 16],
   ["radtex_lobes", 32],
+  [OF_IMAGES, 3],
 ]);
 const MOST_PIXELS = 16384;
 const MOST_LAYERS = 2048;
@@ -93,7 +95,9 @@ function checkAll(facts: Facts): void {
   fileAt(facts, "mesh", "glb");
   fileAt(facts, "flat", "png");
   positiveAt(facts, "flat_scale");
-  expect([undefined, true, false].includes(facts["culled"] as boolean), "culled", facts["culled"], "true or false");
+  for (const key of ["culled", "images"]) {
+    expect([undefined, true, false].includes(facts[key] as boolean), key, facts[key], "true or false");
+  }
   const textures = objectAt(facts, "textures");
   checkBake(objectAt(facts, "bake"), textures, "shader" in facts);
   const names = Object.keys(textures);
@@ -161,13 +165,15 @@ function checkShader(shader: Facts, textures: Facts): number {
   expect(Array.isArray(materials), "materials", materials, "a list");
   const count = (materials as unknown[]).length;
   expect(count >= 1 && count <= MOST_MATERIALS, "materials", count, `1 to ${MOST_MATERIALS}`);
-  const names = String(Object.keys(objectAt(materials as unknown as Facts, "0")).sort());
+  const namesOf = (values: Facts): string => String(Object.keys(values).filter((name) => name !== OF_IMAGES).sort());
+  const names = namesOf(objectAt(materials as unknown as Facts, "0"));
   for (const number of (materials as unknown[]).keys()) {
     const values = objectAt(materials as unknown as Facts, String(number));
     for (const [name, value] of Object.entries(values)) {
       checkValue(name, value, OF_MATERIAL.get(name) ?? 0, OF_MATERIAL.has(name));
     }
-    expect(String(Object.keys(values).sort()) === names, "materials", number, "the same values of each");
+    expect(namesOf(values) === names, "materials", number, "the same values of each");
+    expect(OF_IMAGES in values || "colour" in textures, "materials", number, `“${OF_IMAGES}”, or a texture of colours`);
   }
   return count;
 }

@@ -16,7 +16,7 @@ export interface Lamp {
 
 // All names that lookups define or use of each other's; GLSL's own are in lower case, or begin with GL_.
 const OURS =
-  /\b(?:radtex\w*|RADTEX\w*|Radtex\w*|u_\w+|light|base_light|stored_cell|of_blender|surface_place|to_sun|(?!GL_)[A-Z][A-Z_]+)\b/g;
+  /\b(?:radtex\w*|RADTEX\w*|Radtex\w*|u_\w+|light|base_light|stored_cell|of_blender|surface_place|surface_images|to_sun|(?!GL_)[A-Z][A-Z_]+)\b/g;
 
 /** Lookups that add lamps to a bake's own light, which is multiplied by `own`: GLSL with a function `light_of_lamps`. */
 export function lampParts(lamps: readonly Lamp[], own: Color, filter: Filter, number: number): Parts {
@@ -28,6 +28,9 @@ export function lampParts(lamps: readonly Lamp[], own: Color, filter: Filter, nu
     const name = `lamp${place}_`;
     return `#ifdef ${name}LAYERED
     ${name}surface_place = place;
+#endif
+#ifdef ${name}RADTEX_IMAGES
+    ${name}surface_images = surface_images;
 #endif
     found += ${name}u_colour * ${name}light(uv, normal, tangent, V).rgb;`;
   });

@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: MIT
 // From an address to objects in a scene.
 
-import { type Color, Group, type Material, type Mesh, type Object3D } from "three";
+import { type Color, Group, type Material, type Mesh, type Object3D, SRGBColorSpace, Texture } from "three";
 
 import { type Device, thisDevice } from "./device.js";
-import { fileName, fileUrl } from "./fetching.js";
+import { fetchBytes, fileName, fileUrl } from "./fetching.js";
 import { entriesOf, loadTextures, type TextureOptions } from "./load_textures.js";
 import { checkManifest, type Manifest, readAnyManifest, readManifest } from "./manifest.js";
 import { bakeBelow, loadMeshFile, type MeshFile } from "./mesh_file.js";
@@ -14,6 +14,8 @@ import { Problem } from "./problem.js";
 import { RadTexObject } from "./radtex_object.js";
 import { sunUniforms } from "./sun.js";
 import type { BakeTexture } from "./textures.js";
+
+const IMAGES = 3; // of a material that is shown by its own
 
 type Textures = Map<string, BakeTexture>;
 
@@ -82,10 +84,12 @@ export async function loadRadTexScene(address: string | URL, options: LoadOption
   const loading = load();
   const mesh = fileUrl(manifest.mesh, url);
   const { root } = await loadMeshFile(mesh);
-  const parts = manifests.map((part) => {
-    const { parts: meshes, map } = bakeBelow(nodeOf(root, part.node, mesh), mesh);
-    return new RadTexObject(part, meshes, map);
-  });
+  const parts = await Promise.all(
+    manifests.map(async (part) => {
+      const { parts: meshes, map } = bakeBelow(nodeOf(root, part.node, mesh), mesh);
+      return new RadTexObject(part, meshes, map ?? (await flatOf(part, url)));
+    }),
+  );
   const object = new Group();
   object.name = manifest.name;
   object.add(...parts);
@@ -135,7 +139,7 @@ async function loadOne(
   const mesh = fileUrl(manifest.mesh, url);
   const { root } = early ?? (await loadMeshFile(mesh));
   const { parts, map } = bakeBelow(root, mesh);
-  const object = new RadTexObject(manifest, parts, map, Object.keys(lamps));
+  const object = new RadTexObject(manifest, parts, map ?? (await flatOf(manifest, url)), Object.keys(lamps));
   return { object, manifest, complete: completed(object, textures), reload: () => completed(object, load()) };
 }
 
@@ -150,6 +154,25 @@ async function manifestOfMesh(url: URL): Promise<[Manifest, MeshFile]> {
     throw new Problem(`${fileName(url)} is of several bakes`, "Load its NAME.export.json by loadRadTexScene.");
   }
   return [manifest, file];
+}
+
+/** The flat lightmap's texture, of the file beside the manifest at `base`, as a .glb that embeds it gives it. */
+async function flatOf(manifest: Manifest, base: URL): Promise<Texture> {
+  const url = fileUrl(manifest.flat, base);
+  const bytes = await fetchBytes(url, "high");
+  try {
+    const bitmap = await createImageBitmap(new Blob([bytes], { type: "image/png" }), {
+      colorSpaceConversion: "none",
+      premultiplyAlpha: "none",
+    });
+    const texture = new Texture(bitmap);
+    texture.colorSpace = SRGBColorSpace;
+    texture.flipY = false;
+    texture.needsUpdate = true;
+    return texture;
+  } catch {
+    throw new Problem(`${fileName(url)} is damaged: it is no picture`, "Copy it once more, or export again.");
+  }
 }
 
 /** The node that the .glb calls so: GLTFLoader gives names without what three.js cannot have in them. */
@@ -172,13 +195,22 @@ async function loadLamp(url: URL, main: Manifest, device: Device): Promise<Bake>
       "Bake the lamps of one object in one go, with --lights each.",
     );
   }
+  if (Boolean(manifest.images) !== Boolean(main.images)) {
+    throw new Problem(
+      `${manifest.name} is not a lamp of ${main.name}: only one of them has materials by their own images`,
+      "Export all of them with the same --image-limit.",
+    );
+  }
   return { manifest, textures: await loadTextures(manifest, url, device), sun: sunUniforms() };
 }
 
 /** Throws a Problem for more lamps than a shader of the device has textures for. */
 function checkCount(main: Manifest, lamps: readonly Bake[], device: Device): void {
   const manifests = [main, ...lamps.map(({ manifest }) => manifest)];
-  const count = manifests.reduce((sum, { shader }) => sum + (shader?.layers.length ?? 1), 0);
+  const count = manifests.reduce((sum, { shader, images }) => {
+    const replaced = images && !shader?.layers.includes("colour") ? IMAGES : 0;
+    return sum + replaced + (shader?.layers.length ?? 1);
+  }, 0);
   if (count <= device.mostTextures) return;
   throw new Problem(
     `${main.name} and ${lamps.length} lamps are ${count} textures in one shader; this device takes ${device.mostTextures}`,
@@ -192,7 +224,8 @@ async function completed(object: RadTexObject, loading: Promise<[Textures, ...Ba
   try {
     const [textures, ...bakes] = await loading;
     const colours = [...object.lamps.values()];
-    const lamps = bakes.map((bake, place) => ({ bake, colour: colours[place] as Color }));
+    const { images } = object;
+    const lamps = bakes.map((bake, place) => ({ bake: { ...bake, images }, colour: colours[place] as Color }));
     object.take(object.manifest, textures, lamps);
   } catch (error) {
     if (!(error instanceof Problem) || !error.ofDevice) throw error;

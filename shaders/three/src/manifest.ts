@@ -87,6 +87,8 @@ export interface Manifest {
   bake: Sidecar;
   /** Faces are drawn from the front alone: those that are seen from behind have others for their backs. */
   culled?: boolean;
+  /** Materials with `radtex_images` are shown by their own images, which the .glb holds. */
+  images?: boolean;
   /** Of a layered bake. */
   shader?: ShaderFacts;
   textures: Record<string, TextureEntry>;

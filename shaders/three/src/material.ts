@@ -103,6 +103,7 @@ function assemble(
   material.fog = material.clipping = true;
   material.side = sidesOf(manifest);
   if (lookups.includes("#define SUNLIT")) material.defines["SUNLIT"] = "";
+  if (lookups.includes("#define RADTEX_IMAGES")) material.defines["IMAGES"] = "";
   if (!blended) return;
   material.transparent = true;
   material.premultipliedAlpha = true;

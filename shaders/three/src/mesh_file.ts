@@ -2,20 +2,29 @@
 // SPDX-License-Identifier: MIT
 // The exported .glb: its meshes, their materials' numbers, and the flat lightmap.
 
-import { LoadingManager, type Material, Mesh, type MeshBasicMaterial, type Object3D, type Texture } from "three";
+import {
+  LoadingManager,
+  type Material,
+  Mesh,
+  type MeshBasicMaterial,
+  MeshStandardMaterial,
+  type Object3D,
+  type Texture,
+} from "three";
 import { type GLTF, GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 
 import { fetchBytes, fileName } from "./fetching.js";
 import type { Manifest } from "./manifest.js";
 import { Problem } from "./problem.js";
+import type { MaterialImages } from "./parts.js";
 import type { BakedMesh } from "./radtex_object.js";
 
 const EXTENSION = "RADTEX_radiance_texture";
 
-/** One bake of a .glb: its meshes, and the flat lightmap's texture. */
+/** One bake of a .glb: its meshes, and the flat lightmap's texture, which lies beside it where materials are images. */
 export interface MeshOfBake {
   parts: BakedMesh[];
-  map: Texture;
+  map: Texture | null;
 }
 
 /** The part of a .glb's JSON that is read here. */
@@ -68,14 +77,31 @@ export function bakeBelow(root: Object3D, url: URL): MeshOfBake {
   root.traverse((each) => {
     if (!(each instanceof Mesh)) return;
     const mesh = each as Mesh<Mesh["geometry"], MeshBasicMaterial>;
-    map ??= mesh.material.map;
-    parts.push({ mesh, number: (mesh.material.userData["radtex_material"] as number | undefined) ?? 0 });
+    const number = (mesh.material.userData["radtex_material"] as number | undefined) ?? 0;
+    const images = imagesOf(each as Mesh);
+    if (!images) map ??= mesh.material.map;
+    parts.push(images ? { mesh, number, images } : { mesh, number });
   });
   const wanted = ["position", "normal", "uv", "tangent"];
   const lacking = wanted.filter((name) => parts.some(({ mesh }) => !mesh.geometry.hasAttribute(name)));
-  if (parts.length && !map) lacking.push("its flat lightmap");
-  if (!parts.length || lacking.length || !map) {
+  if (parts.some(({ images }) => !images) && !map) lacking.push("its flat lightmap");
+  if (!parts.length || lacking.length) {
     throw new Problem(`${fileName(url)} lacks ${lacking.join(" and ") || "a mesh"}`, "Export the object again.");
   }
   return { parts, map };
+}
+
+/**
+ * The images that show a mesh's material; null if it is shown by the bake's maps. Their coordinates, the mesh's first,
+ * become its attribute `uv_images`, and the bake's, its second, become `uv`.
+ */
+function imagesOf(mesh: Mesh): MaterialImages | null {
+  const { geometry, material } = mesh;
+  if (!(material instanceof MeshStandardMaterial) || !geometry.hasAttribute("uv1")) return null;
+  if (!geometry.hasAttribute("uv_images")) {
+    geometry.setAttribute("uv_images", geometry.getAttribute("uv"));
+    geometry.setAttribute("uv", geometry.getAttribute("uv1"));
+    geometry.deleteAttribute("uv1");
+  }
+  return { base: material.map, metal: material.metalnessMap, bump: material.normalMap };
 }

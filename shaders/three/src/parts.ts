@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: MIT
 // How each layout and kind is looked up: the shaders that ship with every export, and what they are given.
 
+import { DataTexture, type Texture } from "three";
+
 import bucketLookups from "../../radtex.glsl";
 import shadowLookups from "../../radtex_shadow.glsl";
 import layeredLookups from "../../radtex_layered.glsl";
@@ -18,6 +20,11 @@ import transferLight from "./shaders/transfer.glsl";
 import type { SunUniforms } from "./sun.js";
 import type { BakeTexture } from "./textures.js";
 
+// The layers in whose place a material's own images are read; and what stands for an image that it does not have.
+const OF_IMAGES = ["colour", "tint", "normal"];
+const WHITE = new DataTexture(new Uint8Array([255, 255, 255, 255]), 1, 1);
+WHITE.needsUpdate = true;
+
 /** What is drawn: the mesh, the inspector's picture of one bucket, or its three pixels of numbers. */
 export type Stage = "mesh" | "bucket" | "probe";
 
@@ -29,23 +36,34 @@ export type Uniforms = Record<string, { value: unknown }>;
 /** GLSL with a function `light`, and its uniforms. */
 export type Parts = [string, Uniforms];
 
+/** A material's own images, as the .glb has them: base colour, metal in blue, and the normal map. */
+export interface MaterialImages {
+  base: Texture | null;
+  metal: Texture | null;
+  bump: Texture | null;
+}
+
 /** A bake with its textures, and the sun that lights some kinds. */
 export interface Bake {
   manifest: Manifest;
   textures: ReadonlyMap<string, BakeTexture>;
   sun: SunUniforms;
+  /** Of the materials that are shown by their own images, by their numbers. */
+  images?: ReadonlyMap<number, MaterialImages> | undefined;
 }
 
 /** How a bake is looked up, by a filter. */
 export function partsOf(
-  { manifest, textures, sun }: Bake,
+  { manifest, textures, sun, images }: Bake,
   filter: Filter,
   stage: Drawn,
   layer: string,
   material: number,
 ): Parts {
   const { bake } = manifest;
-  if (bake.layout === "layered") return layeredParts(manifest.shader as ShaderFacts, textures, stage, material);
+  if (bake.layout === "layered") {
+    return layeredParts(manifest.shader as ShaderFacts, textures, stage, material, images?.get(material));
+  }
   const loaded = needed(textures, bucketsOf(layer, bake.kind));
   if (bake.kind === "shadow") return shadowParts(bake, loaded, sun, stage);
   if (bake.kind === "transfer") return transferParts(bake, loaded, sun, stage);
@@ -136,17 +154,30 @@ function layeredParts(
   textures: ReadonlyMap<string, BakeTexture>,
   stage: Drawn,
   material: number,
+  images?: MaterialImages,
 ): Parts {
   const told = Object.entries(facts.defines).map(([name, value]) => `#define ${name} ${value}`);
   const through = "RADTEX_THROUGH" in facts.defines;
   if (stage === "mirror") told.push(`#define RADTEX_MATERIALS ${facts.materials.length}`);
   const own = stage === "mirror" ? ofAll(facts.materials) : (facts.materials[material] ?? {});
   const uniforms: Uniforms = { ...valued(facts.values), ...valued(own) };
-  for (const layer of facts.layers) uniforms[`radtex_${layer}_map`] = { value: needed(textures, layer).texture };
+  const ofImages = "radtex_images" in own && stage !== "mirror";
+  for (const layer of facts.layers) {
+    if (ofImages && OF_IMAGES.includes(layer)) continue;
+    uniforms[`radtex_${layer}_map`] = { value: needed(textures, layer).texture };
+  }
+  if (ofImages) {
+    told.push("#define RADTEX_IMAGES");
+    uniforms["radtex_base_map"] = { value: images?.base ?? WHITE };
+    uniforms["radtex_metal_map"] = { value: images?.metal ?? WHITE };
+    uniforms["radtex_bump_map"] = { value: images?.bump ?? WHITE };
+  }
+  // A picture of one point has no derivatives.
+  if (!ofImages || stage !== "mesh") told.push("#define RADTEX_NO_DERIVATIVES");
   // The surface's frame is for the inspector alone.
   const framed = stage === "bucket" || stage === "probe";
   const lookups = [framed ? bucketLookups : "", layeredLookups, through ? throughLookups : "", layeredLight];
-  return [["#define LAYERED", "#define RADTEX_NO_DERIVATIVES", ...told, ...lookups].join("\n"), uniforms];
+  return [["#define LAYERED", ...told, ...lookups].join("\n"), uniforms];
 }
 
 /** The values of all materials, one behind the other. */

@@ -10,15 +10,16 @@ import type { Lamp } from "./lamps.js";
 import { layersOf, WHOLE } from "./layers.js";
 import type { Manifest } from "./manifest.js";
 import { flatMaterial, RadTexMaterial } from "./material.js";
-import type { Bake } from "./parts.js";
+import type { Bake, MaterialImages } from "./parts.js";
 import type { Problem } from "./problem.js";
 import { changedSun, FIRST_SUN, shine, type Sun, type SunUniforms, sunUniforms } from "./sun.js";
 import type { BakeTexture } from "./textures.js";
 
-/** A mesh of the bake, as the .glb has it, and the number of its material. */
+/** A mesh of the bake, as the .glb has it, the number of its material, and the images that this is shown by. */
 export interface BakedMesh {
   mesh: Mesh;
   number: number;
+  images?: MaterialImages;
 }
 
 /**
@@ -29,6 +30,7 @@ export class RadTexObject extends Group implements Bake {
   readonly isRadTexObject = true;
   readonly meshes: readonly Mesh[];
   readonly sun: SunUniforms = sunUniforms();
+  readonly images: ReadonlyMap<number, MaterialImages>;
   /** Why the textures cannot be shown on this device, if so: the flat lightmap stays. */
   problem: Problem | null = null;
   /** The flat lightmap, one colour a texel. */
@@ -59,6 +61,7 @@ export class RadTexObject extends Group implements Bake {
     const [first] = this.meshes;
     if (!first) throw new Error("a bake needs a mesh");
     this.baked = first.matrixWorld.clone();
+    this.images = new Map(parts.flatMap(({ number, images }) => (images ? [[number, images] as const] : [])));
     this.flat = flatMaterial(current, map, this.baked);
     for (const { mesh, number } of parts) {
       this.numbers.set(mesh, number);
@@ -188,6 +191,7 @@ export class RadTexObject extends Group implements Bake {
     this.forget();
     for (const mesh of this.meshes) mesh.geometry.dispose();
     (this.flat.uniforms["u_flat"]?.value as Texture).dispose();
+    for (const { base, metal, bump } of this.images.values()) for (const each of [base, metal, bump]) each?.dispose();
     this.flat.dispose();
   }
 

@@ -56,13 +56,14 @@ _LEAST_OWN_SIDE = 6
 
 @dataclass(frozen=True, eq=False)
 class Captured:
-    """What was captured, and the numbers of its faces' materials (F,).
+    """What was captured, and the numbers of its faces' materials (F,); the texels' `triangle` (K,).
 
     `paths` count all that meet light or materials; `rays` those that only ask where the object itself is.
     """
 
     capture: LayeredSamples
     faces: Ints
+    triangle: Ints
     paths: int
     rays: int
 
@@ -170,7 +171,7 @@ class _Captures:
         )
         paths = total + len(probe.texel) * PROBES * PROBE_CELLS**2 + looked + opacity.rays + own.traced
         paths += 0 if exits is None else 3 * exits.weight.size
-        return Captured(capture, faces, paths, own.hit.size)
+        return Captured(capture, faces, material, paths, own.hit.size)
 
     def _lit(self, light: LightSamples) -> LightSamples:
         """The light itself; a warning says if there is none in a scene that should have some."""

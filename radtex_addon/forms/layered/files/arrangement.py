@@ -47,6 +47,7 @@ CHANNELS = {
     THROUGH_REST: 3,
 }
 OF_MATERIAL = (COLOUR, TINT, NORMAL, ALPHA)  # maps that an engine may have in the object's own material
+OF_IMAGES = (COLOUR, TINT, NORMAL)  # maps in whose place the material's own images can be read
 PICTURES = (WORLD, PLANE, THINGS)
 BLOCK = 4  # tiles are padded to whole blocks of compressed textures, on the right and at the top
 

@@ -106,6 +106,7 @@ def atlas_of(images: dict[str, Floats], facts: LayeredSidecar) -> LayeredAtlas:
         rest=untiled(images[REST], facts.rest_cells, facts.coarse),
         through=None if through is None else through_of(images, through.exits, through.rest, facts.coarse),
         alpha=images.get(ALPHA),
+        looks=facts.looks,
     )
 
 

@@ -16,6 +16,7 @@ from ....formats.json_reader import Facts, json_text
 from ....formats.sidecar import Sidecar
 from ..lookup.atlas import LayeredAtlas
 from ..lookup.environment import Lamp, Pictures, Plane
+from ..lookup.images import Colour, ImageLook
 from ..lookup.lobes import LOBES, STEPS, Material
 from .arrangement import (
     ALPHA,
@@ -45,6 +46,8 @@ LAYOUT = "layered"
 _LARGEST, _MOST_LEVELS = 4096, 12  # of pictures
 _MOST_LAMPS = 1024
 MOST_MATERIALS = 1024  # of one atlas: a bake of more is refused before its first ray
+_COLOURS_OF_LOOK = ("diffuse", "dielectric", "metal")
+_STRONGEST = 1000.0  # normal map, or factor of an image
 _MAPS = (TINT, NORMAL, WIDTH, ALPHA)
 
 
@@ -73,7 +76,8 @@ class LayeredSidecar:
     most cells that buckets can have. `colour` is the size of the maps of the material, `width` that of the
     lobes' widths, which may be as coarse as the irradiance; `coarse` tells how many texels have buckets, of
     `own_cells` x `own_cells` and `rest_cells` x `rest_cells` cells. `distances` are the cells along the side
-    of that map and `nearness` its mean, 0 without. Falloffs (STEPS, 3) are by material, as are the lobes.
+    of that map and `nearness` its mean, 0 without. Falloffs (STEPS, 3) are by material, as are the lobes; so
+    are `looks`, which tell how materials are shown by their own images, empty if none is.
     """
 
     bake: Sidecar
@@ -91,6 +95,7 @@ class LayeredSidecar:
     falloff: Floats
     materials: tuple[Material, ...]
     through: ThroughCells | None
+    looks: tuple[ImageLook | None, ...] = ()
 
     @classmethod
     def of(cls, atlas: LayeredAtlas, bake: Sidecar) -> LayeredSidecar:
@@ -130,6 +135,7 @@ class LayeredSidecar:
             falloff=_resampled(atlas.falloff),
             materials=atlas.materials,
             through=None if through is None else ThroughCells(through.ways.shape[2], through.rest.shape[2]),
+            looks=atlas.looks,
         )
         maps = [name for name in _MAPS if getattr(atlas, name) is not None]
         sidecar = replace(sidecar, bake=replace(sidecar.bake, layers=sidecar.layers_with(maps)))
@@ -153,6 +159,11 @@ class LayeredSidecar:
             sizes |= dict.fromkeys((EXIT_DIRECTION, EXIT_PLACE), self._tiles(self.through.exits))
             sizes |= {THROUGH_COLOUR: self.coarse, THROUGH_REST: self._tiles(self.through.rest)}
         return {name: (*sizes[name], CHANNELS[name]) for name in bake.layers}
+
+    @property
+    def every_look(self) -> tuple[ImageLook | None, ...]:
+        """`looks`, one for each material."""
+        return self.looks or (None,) * len(self.materials)
 
     def larger(self, texels: int, cells: int) -> LayeredSidecar:
         """Of a bake with `texels` times as many texels along a side, and `cells` times as many cells."""
@@ -208,8 +219,9 @@ class LayeredSidecar:
                     for weight, variance in zip(material.weight, material.variance, strict=True)
                 ],
                 "bend": _row(material.bend),
+                **({} if look is None else {"images": _look_facts(look)}),
             }
-            for falloff, material in zip(self.falloff, self.materials, strict=True)
+            for falloff, material, look in zip(self.falloff, self.materials, self.every_look, strict=True)
         ]
         if self.through is not None:
             layered["through"] = {"exit_cells": self.through.exits, "rest_cells": self.through.rest}
@@ -259,6 +271,9 @@ class LayeredSidecar:
                 through.whole_number("exit_cells", 2, 256), through.whole_number("rest_cells", 2, 256)
             ),
         )
+        looks = tuple(_look(each) for each in materials)
+        if any(looks):
+            sidecar = replace(sidecar, looks=looks)
         maps = [name for name in _MAPS if name in bake.layers]
         expected = sidecar.layers_with(maps)
         if WORLD not in found or not materials:
@@ -282,6 +297,7 @@ class LayeredSidecar:
     def numbers(self) -> list[Floats]:
         """All numbers that must be finite."""
         found = [self.middle, self.falloff]
+        found += [np.array(look.rows) for look in self.looks if look is not None]
         for material in self.materials:
             found += [material.weight, np.log(material.variance), material.bend]
         for lamp in self.lamps:
@@ -315,6 +331,40 @@ def _material(facts: Facts) -> Material:
     if variance.min() <= 0:
         raise FormatError(f"{facts.source} has a lobe whose variance is not above 0")
     return Material(weight, variance, _floats(facts.numbers("bend", STEPS)))
+
+
+def _look_facts(look: ImageLook) -> dict[str, Any]:
+    colours = {name: [_short(value) for value in getattr(look, name)] for name in _COLOURS_OF_LOOK}
+    return {
+        "uv_map": look.uv_map,
+        **colours,
+        "metallic": _short(look.metallic),
+        "normal_strength": _short(look.strength),
+        "fading": _short(look.fading),
+    }
+
+
+def _look(facts: Facts) -> ImageLook | None:
+    """How a material is shown by its own images, None if it is not."""
+    if "images" not in facts.values:
+        return None
+    images = facts.inner("images")
+    diffuse, dielectric, metal = (_colour(images, name) for name in _COLOURS_OF_LOOK)
+    names = ("metallic", "normal_strength", "fading")
+    metallic, strength, fading = (_bounded(images, name) for name in names)
+    return ImageLook(images.text("uv_map"), diffuse, dielectric, metal, metallic, strength, fading)
+
+
+def _colour(facts: Facts, key: str) -> Colour:
+    red, green, blue = facts.numbers(key, 3)
+    return red, green, blue
+
+
+def _bounded(facts: Facts, key: str) -> float:
+    found = facts.number(key)
+    if not 0 <= found <= _STRONGEST:
+        raise FormatError(f'{facts.source}: "{key}" is {found}, expected 0 to {_STRONGEST:g}')
+    return found
 
 
 def _objects(facts: Facts, key: str, most: int) -> list[Facts]:

@@ -44,13 +44,23 @@ def tints(
     mean of its own material, which may be another one than that of the nearest coarse texel.
     """
     glossy = coarse["glossy"].reshape(-1, 3)[plan.texel].astype(np.float32)
-    means = np.ones((max(int(material.max()), int(fine["material"].max())) + 1, 3), dtype=np.float32)
-    for number in np.unique(material):
-        means[number] = np.maximum(glossy[material == number].mean(axis=0), 1e-3)
+    means = mean_colours(material, coarse["glossy"], plan, int(fine["material"].max()) + 1)
     tint = glossy / means[material]
     if not wanted or float(tint.std(axis=0).max()) < _VARIES:
         return np.ones_like(glossy), None
     return tint, (fine["glossy"] / means[fine["material"][..., 0].astype(np.intp)]).astype(np.float32)
+
+
+def mean_colours(material: Ints, glossy: Floats, plan: CapturePlan, least: int = 0) -> Floats:
+    """The mean glossy colour of each material, of the map `glossy` (H, W, 3): (M, 3), 1 without texels.
+
+    `material` (K,) is that of the plan's texels; M is at `least` so much.
+    """
+    colour = glossy.reshape(-1, 3)[plan.texel].astype(np.float32)
+    means = np.ones((max(int(material.max()) + 1, least), 3), dtype=np.float32)
+    for number in np.unique(material):
+        means[number] = np.maximum(colour[material == number].mean(axis=0), 1e-3)
+    return means
 
 
 def texel_middles(plan: CapturePlan) -> Floats:

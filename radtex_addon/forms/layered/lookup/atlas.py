@@ -17,6 +17,7 @@ from ....core.fragments import Fragments
 from ....core.octahedron import direction_to_octahedron
 from ....core.sampler import bilinear, bilinear_texels
 from .environment import Around
+from .images import ImageLook, Look
 from .lobes import Material, bent, falloff_at, lifted, seen_free
 from .ways import Through, look_through
 
@@ -36,6 +37,8 @@ class LayeredAtlas:
     (h, w, n, n, 4): what a texel sees of the object itself along an axis of the octahedron, and how much it
     leaves free; `rest` (h, w, m, m, 3). `through`: the light that comes through, if there is any. `alpha`
     (H', W', 1), None where it is 1 everywhere: `colour` and `tint` are multiplied by it, and nothing else is.
+    `looks`: for each material how its own images replace `colour`, `tint` and `normal`, None where it has
+    none; empty where no material has.
     """
 
     colour: Floats
@@ -50,25 +53,34 @@ class LayeredAtlas:
     rest: Floats
     through: Through | None = None
     alpha: Floats | None = None
+    looks: tuple[ImageLook | None, ...] = ()
 
 
-def sample_layered(atlas: LayeredAtlas, at: Fragments) -> Floats:
-    """Radiance seen at fragments, (N, 3) float32, linear, premultiplied by `alpha_at` them.
-
-    Raises ValueError where light comes through and fragments have no tangents.
-    """
+def look_at(atlas: LayeredAtlas, at: Fragments) -> Look:
+    """The materials at fragments by the atlas's maps."""
+    alpha = alpha_at(atlas, at.uv)
+    tint = np.repeat(alpha[:, None], 3, axis=1) if atlas.tint is None else bilinear(atlas.tint, at.uv)
     normal = at.normal
     if atlas.normal is not None:
-        shading = bilinear(atlas.normal, at.uv)
-        shading /= np.maximum(np.linalg.norm(shading, axis=1, keepdims=True), 1e-6)
-        agrees = (shading * normal).sum(axis=1, keepdims=True) > _STEEP
-        normal = np.where(agrees, shading, normal)
+        normal = bilinear(atlas.normal, at.uv)
+        normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-6)
+    return Look(bilinear(atlas.colour, at.uv), tint, normal)
+
+
+def sample_layered(atlas: LayeredAtlas, at: Fragments, look: Look | None = None) -> Floats:
+    """Radiance seen at fragments, (N, 3) float32, linear, premultiplied by `alpha_at` them.
+
+    `look` is what their materials' own images say, None for the atlas's maps. Raises ValueError where light
+    comes through and fragments have no tangents.
+    """
+    look = look or look_at(atlas, at)
+    agrees = (look.normal * at.normal).sum(axis=1, keepdims=True) > _STEEP
+    normal = np.where(agrees, look.normal, at.normal)
     cosine = (normal * at.viewer).sum(axis=1)
     axis = (2 * cosine[:, None] * normal - at.viewer).astype(np.float32)
-    if atlas.normal is not None:
-        axis = lifted(axis.T, at.normal.T).T
+    axis = lifted(axis.T, at.normal.T).T
     cosine = np.maximum(cosine, _LEAST_COSINE)
-    light = bilinear(atlas.colour, at.uv) * bilinear(atlas.irradiance, at.uv)
+    light = look.colour * bilinear(atlas.irradiance, at.uv)
     light = light * falloff_at(atlas.falloff, at.material, cosine)
     own = look_up(atlas.own, at.uv, axis)
     offset = at.position - atlas.around.middle
@@ -79,7 +91,7 @@ def sample_layered(atlas: LayeredAtlas, at: Fragments) -> Floats:
     )  # fmt: skip
     mirrored = direct + share * own[:3]
     alpha = alpha_at(atlas, at.uv)
-    mirrored *= bilinear(atlas.tint, at.uv).T if atlas.tint is not None else alpha
+    mirrored *= look.tint.T
     rest = alpha * look_up(atlas.rest, at.uv, axis)
     light = light + mirrored.T
     light = np.maximum(light + rest.T, _LEAST_LEFT * light)

@@ -7,14 +7,15 @@ Each step is a group of its own, so that the tree reads like the maths. What a b
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 
 import bpy
 
 from ....core.errors import InputError
 from ....preview.taps import in_working_space, octahedron_group, readable_size
 from ....scene.nodes import NodeBuilder, Socket, close_group, open_group
-from ..files.arrangement import ALPHA, COLOUR, IRRADIANCE, NORMAL, OWN, REST, TINT, WIDTH
+from ..files.arrangement import ALPHA, COLOUR, IRRADIANCE, NORMAL, OF_IMAGES, OWN, REST, TINT, WIDTH
 from ..files.sidecar import LayeredSidecar
 from ..lookup.lobes import LOWEST
 from .images import buckets_group, constant, curve_group, curves_at, map_group, ordered
@@ -29,13 +30,16 @@ _KEPT, _EDGE = 5.0, 0.04  # as in lookup.lobes
 _Images = Mapping[str, bpy.types.Image]
 
 
-def build_layered_group(images: _Images, facts: LayeredSidecar) -> bpy.types.ShaderNodeTree:
+def build_layered_group(
+    images: _Images, facts: LayeredSidecar, of_images: bool = False
+) -> bpy.types.ShaderNodeTree:
     """A node group that looks up the sidecar's `images`, by layer and CURVES, as `sample_layered` does.
 
     Inputs: UV (0..1, v up); Normal and Tangent (world space, of any length) and the bitangent's Sign; unit
     Incoming, towards the viewer, and Position, in world space; the Material's number. Outputs: Color, in the
-    file's working space and premultiplied by Alpha, without what comes through unless SHOWS_THROUGH. Raises
-    InputError if an image does not have the size in the sidecar.
+    file's working space and premultiplied by Alpha, without what comes through unless SHOWS_THROUGH. If it is
+    `of_images`, there are inputs for what the material's own images say: the diffuse Colour, the lobes' Tint,
+    and the Shading normal, of any length. Raises InputError if an image has another size than in the sidecar.
     """
     _check_sizes(images, facts)
     octahedron = octahedron_group()
@@ -45,7 +49,8 @@ def build_layered_group(images: _Images, facts: LayeredSidecar) -> bpy.types.Sha
     if facts.through is not None and SHOWS_THROUGH:
         through = through_group(images, facts, octahedron, around)
     curves = curve_group(images[CURVES], len(facts.materials))
-    build, (uv, normal, tangent, sign, viewer, position, material) = open_group(
+    more = dict.fromkeys(("Colour", "Tint", "Shading"), "Vector") if of_images else {}
+    build, (uv, normal, tangent, sign, viewer, position, material, *given) = open_group(
         "RadTex Layered",
         UV="Vector",
         Normal="Vector",
@@ -54,23 +59,25 @@ def build_layered_group(images: _Images, facts: LayeredSidecar) -> bpy.types.Sha
         Incoming="Vector",
         Position="Vector",
         Material="Float",
+        **more,
     )
     outward = build.vector("NORMALIZE", normal)
     offset = build.vector("SUBTRACT", position, constant(facts.middle), label="from the middle")
     shading = outward
-    if NORMAL in images:
-        shading = _shading_normal(build, build.group(map_group("Normal", images[NORMAL]), uv)[0], outward)
+    look = _Look(build, images, uv, given)
+    shading = look.shading(outward)
     facing = build.vector("DOT_PRODUCT", shading, viewer, label="N.V")
     axis = _mirror_direction(build, shading, facing, viewer, outward)
     cosine = build.math("MAXIMUM", facing, _LEAST_COSINE)
     falloff, first, second, bend, widths = curves_at(build, curves, cosine, material)
-    (colour,) = build.group(map_group("Colour", images[COLOUR]), _later(build, uv, (falloff, first, second)))
+    colour = look.colour((falloff, first, second))
     (irradiance,) = build.group(map_group("Irradiance", images[IRRADIANCE]), _later(build, uv, (colour,)))
     light = build.vector("MULTIPLY", build.vector("MULTIPLY", colour, irradiance), falloff, label="diffuse")
     alpha = None
     if ALPHA in images:
         there = _later(build, uv, (light,))
         alpha = build.separate(build.group(map_group("Alpha", images[ALPHA]), there)[0])[0]
+        light = build.vector("SCALE", light, alpha) if of_images else light
     if WIDTH in images:
         there = _later(build, uv, (light,))
         wider = build.separate(build.group(map_group("Width", images[WIDTH]), there)[0])[0]
@@ -79,11 +86,7 @@ def build_layered_group(images: _Images, facts: LayeredSidecar) -> bpy.types.Sha
     shown, rest = build.group(
         mirrored, _later(build, uv, (light, *widths)), offset, shading, axis, first, second, bend, *widths
     )
-    if TINT in images:
-        (tint,) = build.group(map_group("Tint", images[TINT]), _later(build, uv, (shown, rest)))
-        shown = build.vector("MULTIPLY", shown, tint)
-    elif alpha is not None:
-        shown = build.vector("SCALE", shown, alpha)
+    shown = look.tinted(shown, rest, alpha)
     if alpha is not None:
         rest = build.vector("SCALE", rest, alpha)
     light = build.vector("ADD", light, shown)
@@ -100,6 +103,45 @@ def build_layered_group(images: _Images, facts: LayeredSidecar) -> bpy.types.Sha
     return close_group(build, Color=in_working_space(build, shown), Alpha=opacity)
 
 
+@dataclass(frozen=True, eq=False)
+class _Look:
+    """The material at UV, as `lookup.atlas.look_at` has it: by maps, or as `given` by its own images.
+
+    `given`: colour, tint and shading normal, or nothing.
+    """
+
+    build: NodeBuilder
+    images: _Images
+    uv: Socket
+    given: Sequence[Socket]
+
+    def shading(self, outward: Socket) -> Socket:
+        """The shading normal; `outward` is the mesh's."""
+        if self.given:
+            return _shading_normal(self.build, self.given[2], outward)
+        if NORMAL not in self.images:
+            return outward
+        (found,) = self.build.group(map_group("Normal", self.images[NORMAL]), self.uv)
+        return _shading_normal(self.build, found, outward)
+
+    def colour(self, known: Iterable[Socket]) -> Socket:
+        """The diffuse colour, looked up after what is `known`."""
+        if self.given:
+            return self.given[0]
+        there = _later(self.build, self.uv, known)
+        return self.build.group(map_group("Colour", self.images[COLOUR]), there)[0]
+
+    def tinted(self, shown: Socket, rest: Socket, alpha: Socket | None) -> Socket:
+        """What lobes have `shown` times their tint, looked up after both, and alpha."""
+        if self.given:
+            shown = self.build.vector("MULTIPLY", shown, self.given[1])
+        elif TINT in self.images:
+            there = _later(self.build, self.uv, (shown, rest))
+            (tint,) = self.build.group(map_group("Tint", self.images[TINT]), there)
+            return self.build.vector("MULTIPLY", shown, tint)
+        return shown if alpha is None else self.build.vector("SCALE", shown, alpha)
+
+
 def _later(build: NodeBuilder, uv: Socket, known: Iterable[Socket]) -> Socket:
     """The same coordinates, evaluated only after all the sockets in `known`: see `images.ordered`."""
     u, v, _ = build.separate(uv)
@@ -108,6 +150,8 @@ def _later(build: NodeBuilder, uv: Socket, known: Iterable[Socket]) -> Socket:
 
 def _check_sizes(images: _Images, facts: LayeredSidecar) -> None:
     for layer, (width, height, _) in facts.shapes.items():
+        if layer in OF_IMAGES and layer not in images:
+            continue
         actual = readable_size(images[layer])
         if actual != (width, height):
             raise InputError(

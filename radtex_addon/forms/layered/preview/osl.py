@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, cast
 
@@ -49,7 +50,7 @@ def add_layered_osl_node(
 
 def constants_of(sidecar: LayeredSidecar) -> str:
     """The definitions that radtex_layered.osl needs before it. Raises InputError for too many lamps."""
-    found = shader_facts(sidecar, {DISTANCES: Stored(mean=sidecar.nearness)}, FULL)
+    found = shader_facts(replace(sidecar, looks=()), {DISTANCES: Stored(mean=sidecar.nearness)}, FULL)
     materials = found["materials"]
     values = {name: value for name, value in found["values"].items() if not name.endswith(_WITHOUT)}
     values |= {name: [one[name] for one in materials] for name in materials[0]}

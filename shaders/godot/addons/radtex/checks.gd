@@ -30,7 +30,8 @@ const VECTORS := ["radtex_middle", "radtex_own_tile", "radtex_rest_tile", "radte
 	"radtex_world_levels", "radtex_plane_levels", "radtex_things_levels", "radtex_distances_size", "radtex_plane_place",
 	"radtex_plane_eye"]
 const LAMPS := ["radtex_lamp_place", "radtex_lamp_light"]  ## Of as many vectors as there are lamps.
-const OF_MATERIAL := {"radtex_material": 16, "radtex_lobes": 32}
+const OF_IMAGES := "radtex_images"  ## Of materials that are shown by their own images.
+const OF_MATERIAL := {"radtex_material": 16, "radtex_lobes": 32, OF_IMAGES: 3}
 const MOST_PIXELS := 16384
 const MOST_LAYERS := 2048
 const MOST_TEXELS := 1 << 24
@@ -50,8 +51,9 @@ func _init(facts: Dictionary) -> void:
 	_check_file("flat", facts.get("flat"), "png")
 	var scale: Variant = facts.get("flat_scale")
 	_expect(_is_number(scale) and scale > 0.0, "flat_scale", scale, "a number above 0")
-	var culled: Variant = facts.get("culled", false)
-	_expect(culled is bool, "culled", culled, "true or false")
+	for key: String in ["culled", "images"]:
+		var flag: Variant = facts.get(key, false)
+		_expect(flag is bool, key, flag, "true or false")
 	var textures := _inner(facts, "textures")
 	_check_bake(_inner(facts, "bake"), textures, facts.has("shader"))
 	_expect(textures.size() in range(1, MOST_TEXTURES + 1), "textures", textures.size(), "1 to %d" % MOST_TEXTURES)
@@ -198,7 +200,10 @@ func _check_shader(shader: Dictionary, textures: Dictionary) -> void:
 			return
 		for name: String in materials[number]:
 			_check_value(name, materials[number][name], OF_MATERIAL.get(name, 0), name in OF_MATERIAL)
-		_expect(materials[number].has_all(materials[0].keys()), "materials", number, "the same values of each")
+		var names: Array = materials[0].keys().filter(func(name: String) -> bool: return name != OF_IMAGES)
+		_expect(materials[number].has_all(names), "materials", number, "the same values of each")
+		var coloured: bool = materials[number].has(OF_IMAGES) or textures.has("colour")
+		_expect(coloured, "materials", number, "%s, or a texture of colours" % OF_IMAGES)
 
 
 ## Check a uniform's value, four numbers, or so many `rows` of four.

@@ -29,7 +29,8 @@ func _import_preflight(state: GLTFState, extensions: PackedStringArray) -> Error
 				material.resource_name = str(listed[number].get("name", ""))
 				found[number] = material
 	state.set_additional_data(FOUND, found)
-	if found and found.size() == listed.size():
+	var plain := found.values().filter(func(made: ShaderMaterial) -> bool: return not Materials.is_of_images(made))
+	if found and plain.size() == listed.size():
 		_drop_flat_lightmaps(state.json)
 	return OK
 
@@ -42,7 +43,10 @@ func _import_post_parse(state: GLTFState) -> Error:
 	var found: Dictionary = state.get_additional_data(FOUND)
 	var by_old := {}
 	for number: int in found:
-		by_old[state.materials[number]] = found[number]
+		var old := state.materials[number]
+		by_old[old] = found[number]
+		if Materials.is_of_images(found[number]):
+			Materials.set_images(found[number], old)
 	for index in state.meshes.size():
 		var holder: GLTFMesh = state.meshes[index]
 		if _has_any(holder.mesh, by_old):

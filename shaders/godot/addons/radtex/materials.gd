@@ -7,6 +7,8 @@ extends RefCounted
 const Textures := preload("textures.gd")
 const MIRROR := &"radtex_mirror"  ## Metadata of a bake's material: what mirror.gd needs.
 const TO_BLENDER := Basis(Vector3(1, 0, 0), Vector3(0, 0, 1), Vector3(0, -1, 0))
+const OF_IMAGES := "radtex_images"  ## A material's values, where it is shown by its own images.
+const REPLACED := ["colour", "tint", "normal"]  ## The layers in whose place these are read.
 const TRANSPARENT := "RGBA16F"  ## The only format of light that has alpha.
 
 
@@ -82,6 +84,18 @@ static func set_baked(material: ShaderMaterial, world: Transform3D) -> void:
 		material.get_meta(MIRROR).baked = baked
 
 
+## Whether a material shows its own images, which `set_images` gives it.
+static func is_of_images(material: ShaderMaterial) -> bool:
+	return material.shader.code.contains("#define RADTEX_IMAGES")
+
+
+## Give a material its own images, as glTF has them in `old`.
+static func set_images(material: ShaderMaterial, old: BaseMaterial3D) -> void:
+	material.set_shader_parameter("radtex_base_map", old.albedo_texture)
+	material.set_shader_parameter("radtex_metal_map", old.metallic_texture)
+	material.set_shader_parameter("radtex_bump_map", old.normal_texture)
+
+
 static func _recipe(facts: Dictionary, number: int, textures: Textures) -> Recipe:
 	match facts.bake.kind:
 		"shadow":
@@ -109,12 +123,15 @@ static func _buckets(facts: Dictionary, textures: Textures) -> Recipe:
 static func _layered(facts: Dictionary, number: int, textures: Textures) -> Recipe:
 	var recipe := Recipe.new("layered", textures)
 	recipe.modes = ["unshaded", "cull_back" if facts.get("culled", false) else "cull_disabled"]
-	_put_layers(recipe, facts)
+	var own: Dictionary = facts.shader.materials[number]
+	var of_images := own.has(OF_IMAGES)
+	_put_layers(recipe, facts, REPLACED if of_images else [])
+	if of_images:
+		recipe.defines["RADTEX_IMAGES"] = 1
 	if recipe.defines.has("RADTEX_THROUGH"):
 		recipe.lookups.append("radtex_layered_through")
 	if recipe.defines.has("RADTEX_ALPHA"):
 		recipe.blend("depth_prepass_alpha")
-	var own: Dictionary = facts.shader.materials[number]
 	for uniform: String in own:
 		recipe.values[uniform] = _vectors(own[uniform])
 	recipe.values["baked"] = TO_BLENDER
@@ -203,14 +220,16 @@ static func _put_matrix(recipe: Recipe, entry: Dictionary, bake: Dictionary) -> 
 	recipe.put("atlas", entry)
 
 
-## What radtex_layered.gdshaderinc takes, but for the values of single materials.
-static func _put_layers(recipe: Recipe, facts: Dictionary) -> void:
+## What radtex_layered.gdshaderinc takes, but for the values of single materials, and without some layers.
+static func _put_layers(recipe: Recipe, facts: Dictionary, without: Array = []) -> void:
 	recipe.lookups.append("radtex_layered")
 	for name: String in facts.shader.defines:
 		recipe.defines[name] = int(facts.shader.defines[name])
 	for uniform: String in facts.shader["values"]:
 		recipe.values[uniform] = _vectors(facts.shader["values"][uniform])
 	for layer: String in facts.shader.layers:
+		if layer in without:
+			continue
 		var entry: Dictionary = facts.textures[layer]
 		if entry.format.ends_with("_SRGB"):  # Godot decodes it of no file that it did not import
 			recipe.defines["RADTEX_SRGB"] = 1

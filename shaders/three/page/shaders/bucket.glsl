@@ -11,6 +11,9 @@ out vec4 pixel;
 #ifdef LAYERED
 uniform vec3 u_place;
 #endif
+#ifdef RADTEX_IMAGES
+uniform vec2 u_images;
+#endif
 #ifdef SUNLIT
 uniform vec3 u_to_sun;
 #endif
@@ -18,6 +21,9 @@ uniform vec3 u_to_sun;
 void main() {
 #ifdef LAYERED
     surface_place = u_place;
+#endif
+#ifdef RADTEX_IMAGES
+    surface_images = u_images;
 #endif
 #ifdef SUNLIT
     to_sun = u_to_sun;

@@ -9,6 +9,9 @@
 in vec3 v_position, v_normal, v_eye;
 in vec4 v_tangent;
 in vec2 v_uv;
+#ifdef IMAGES
+in vec2 v_uv_images;
+#endif
 #ifdef SUNLIT
 in vec3 v_to_sun;
 #endif
@@ -18,6 +21,9 @@ void main() {
     #include <logdepthbuf_fragment>
 #ifdef LAYERED
     surface_place = v_position;
+#endif
+#ifdef IMAGES
+    surface_images = v_uv_images;
 #endif
 #ifdef SUNLIT
     to_sun = normalize(v_to_sun);

@@ -14,6 +14,10 @@ uniform mat4 u_baked;  // from the mesh's own space to the world of the bake
 out vec3 v_position, v_normal, v_eye;  // the eye: its place, or where an orthographic camera looks from
 out vec4 v_tangent;
 out vec2 v_uv;
+#ifdef IMAGES
+in vec2 uv_images;
+out vec2 v_uv_images;  // as glTF has it, for its images
+#endif
 #ifdef SUNLIT
 uniform vec3 u_to_sun;  // in the scene's world
 out vec3 v_to_sun;
@@ -30,6 +34,9 @@ void main() {
     v_normal = transpose(inverse(turn)) * normal;
     v_tangent = vec4(turn * tangent.xyz, tangent.w * sign(determinant(turn)));
     v_uv = vec2(uv.x, 1.0 - uv.y);  // glTF's v grows downwards
+#ifdef IMAGES
+    v_uv_images = uv_images;
+#endif
     vec3 towards = vec3(viewMatrix[0][2], viewMatrix[1][2], viewMatrix[2][2]);
     v_eye = isOrthographic ? mat3(back) * towards : (back * vec4(cameraPosition, 1.0)).xyz;
 #ifdef SUNLIT

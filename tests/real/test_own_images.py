@@ -1,0 +1,78 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Materials that are shown by their own images: the page and Godot against the preview."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from radtex_addon.bake.progress import finished
+from radtex_addon.export.exporting import export_steps
+from radtex_addon.report.metrics import Picture
+from radtex_addon.textures.export_spec import ExportSpec, Target
+from tests.blender.image_stage import NAME, bake_crate
+from tests.finished_bakes import finished_bake
+from tests.real.browser import Shown
+from tests.real.exhibit import Bake, Camera, decibels
+from tests.real.godot import ALL_RENDERERS, Shot, placed
+from tests.real.preview_shot import Shots
+from tests.real.root import Root
+from tests.real.web import Site
+
+PLACE = (0.3, -0.2, 0.5)
+CAMERAS = (
+    Camera("whole", (3.6, -4.4, 3.2), PLACE),
+    Camera("near", (0.9, -1.6, 3.0), (0.5, -0.35, 1.4), fovy=20.0),
+)
+LEAST = 34.0  # dB: images have mip levels in engines, and none in Cycles
+
+
+@pytest.fixture(scope="module", params=[False, True], ids=["whole", "mixed"])
+def crate(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Bake:
+    """The crate, all of images, or with a side of another material."""
+    folder = tmp_path_factory.mktemp("crate")
+    return Bake(finished_bake(folder, bake_crate, mixed=request.param))
+
+
+@pytest.fixture(scope="module")
+def wanted(crate: Bake, tmp_path_factory: pytest.TempPathFactory) -> list[Picture]:
+    """The preview, as Cycles shows it."""
+    return Shots(crate.preview, "cycles", tmp_path_factory.mktemp("shots"), NAME).pictures(CAMERAS)
+
+
+@contextmanager
+def page_of(web: Site, crate: Bake, name: str) -> Iterator[Shown]:
+    web.add(name, crate)
+    with web.opened(f"{name}/") as shown:
+        yield shown.wait()
+
+
+def held_to(what: str, camera: Camera, shown: Picture, wanted: Picture, crate: Bake) -> None:
+    found = decibels(shown, wanted, crate.eroded(camera))
+    print(f"{what}, {camera.name}: {found:.1f} dB")
+    assert found > LEAST
+
+
+def test_the_page_shows_what_the_preview_does(web: Site, crate: Bake, wanted: list[Picture]) -> None:
+    with page_of(web, crate, f"images-{crate.folder.name}") as shown:
+        for camera, picture in zip(CAMERAS, wanted, strict=True):
+            shown.set_camera(camera)
+            held_to("page", camera, shown.pixels()[..., :3].astype(np.float64), picture, crate)
+        flat = shown.pixels(flat=True)
+        assert flat.max() > 0.1  # the flat lightmap beside the .glb
+
+
+def test_godot_shows_what_the_preview_does(
+    root: Root, crate: Bake, wanted: list[Picture], tmp_path: Path
+) -> None:
+    made = finished(export_steps(crate.sidecar, ExportSpec(Target.GODOT), tmp_path / "project"))
+    project = placed(root, made.folder)
+    shots = [Shot(camera) for camera in CAMERAS]
+    for renderer in ALL_RENDERERS:
+        for camera, shown, picture in zip(CAMERAS, project.pictures(renderer, shots), wanted, strict=True):
+            held_to(renderer, camera, shown, picture, crate)
