@@ -72,6 +72,12 @@ def mean_energy(judged: Sequence[Judged]) -> float:
     return float(np.mean([one.figures.energy for one in judged]))
 
 
+def mean_glints(judged: Sequence[Judged]) -> float | None:
+    """The mean of `Figures.glints` over the views that have glints, None if none has."""
+    found = [one.figures.glints for one in judged if one.figures.glints is not None]
+    return float(np.mean(found)) if found else None
+
+
 def mean_flip(judged: Sequence[Judged]) -> float | None:
     """The mean FLIP of the views, None if it is not available."""
     found = [one.figures.flip for one in judged if one.figures.flip is not None]

@@ -22,20 +22,23 @@ Picture = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
 
 CAP = 99.0  # decibels: the PSNR of equal pictures
+_GLINT = 1.0  # radiance that displays show as white: what is brighter in the reference is a glint
 
 
 @dataclass(frozen=True)
 class Figures:
     """The figures of one picture: PSNR in decibels inside the eroded and the whole mask, FLIP, and energy.
 
-    FLIP and energy are inside the eroded mask. `flip` is None if FLIP is not available. `energy` is the mean
-    radiance divided by the reference's, NaN if that is black.
+    All but one are inside the eroded mask. `flip` is None if FLIP is not available. `energy` is the mean
+    radiance divided by the reference's, NaN if that is black. `glints` is what is kept of the light of the
+    reference's glints, pixels that a display shows as white: no more of any than its own; None without any.
     """
 
     psnr: float
     psnr_uneroded: float
     flip: float | None
     energy: float
+    glints: float | None
 
 
 def compare(picture: Picture, reference: Picture, inside: Mask, eroded: Mask) -> Figures:
@@ -47,7 +50,16 @@ def compare(picture: Picture, reference: Picture, inside: Mask, eroded: Mask) ->
         psnr_uneroded=psnr(shown, reference, inside),
         flip=float(flip_map(shown, reference)[eroded].mean()) if has_flip() else None,
         energy=float(shown[eroded].mean()) / light if light else float("nan"),
+        glints=glints_kept(shown, reference, eroded),
     )
+
+
+def glints_kept(picture: Picture, reference: Picture, mask: Mask) -> float | None:
+    """`Figures.glints` inside a mask."""
+    bright = mask & (reference.max(axis=2) > _GLINT)
+    if not bright.any():
+        return None
+    return float(np.minimum(picture, reference)[bright].sum() / reference[bright].sum())
 
 
 def display(picture: Picture) -> Picture:

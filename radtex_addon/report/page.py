@@ -18,7 +18,7 @@ from ..formats.disk.memory import readable_size
 from ..job.variants import variant_of
 from .causes import HalvedBake, first_change
 from .finished_bake import Finished
-from .judging import Judged, mean_energy, mean_flip, mean_psnr, verdict
+from .judging import Judged, mean_energy, mean_flip, mean_glints, mean_psnr, verdict
 from .map_pictures import MapPictures
 from .metrics import Figures, display
 from .sizes import ImageSize, gpu_bytes
@@ -104,23 +104,29 @@ def _facts(bake: Finished) -> str:
 
 def _closeness(contents: Contents) -> str:
     judged, floor = contents.judged, contents.floor
-    rows = [["", "PSNR, dB", "FLIP", "energy"]]
-    rows += [
-        [one.view.name, f"{one.figures.psnr:.2f}", _flip(one.figures.flip), f"{one.figures.energy:.3f}"]
-        for one in judged
-    ]
-    rows.append(["mean", f"{mean_psnr(judged):.2f}", _flip(mean_flip(judged)), f"{mean_energy(judged):.3f}"])
-    noise = [f"{floor.psnr:.2f}", _flip(floor.flip), f"{floor.energy:.3f}"]
-    rows.append(["the path-traced picture against another seed's", *noise])
+    rows = [["", "PSNR, dB", "FLIP", "energy", "glints"]]
+    rows += [[one.view.name, *_row(one.figures)] for one in judged]
+    means = [f"{mean_psnr(judged):.2f}", _flip(mean_flip(judged)), f"{mean_energy(judged):.3f}"]
+    rows.append(["mean", *means, _share(mean_glints(judged))])
+    rows.append(["the path-traced picture against another seed's", *_row(floor)])
     note = (
         f"Against path-traced views of {contents.reference_samples} samples a pixel, denoised; inside the "
         "object, but for its outermost pixels. PSNR is of display values (clipped to 0..1, gamma 2.2): more "
         "is better, and beyond the last row it says nothing. FLIP is the error that an eye sees, 0 to 1: "
-        "less is better. Energy is the mean radiance over the path-traced one's: 1 is right."
+        "less is better. Energy is the mean radiance over the path-traced one's: 1 is right. Glints: what is "
+        "kept of the light of pixels that are brighter than white."
     )
     if floor.flip is None:
         note += " There is no FLIP for this platform."
     return _table(rows) + f'<p class="note">{note}</p>'
+
+
+def _row(figures: Figures) -> list[str]:
+    return [f"{figures.psnr:.2f}", _flip(figures.flip), f"{figures.energy:.3f}", _share(figures.glints)]
+
+
+def _share(part: float | None) -> str:
+    return "–" if part is None else f"{100 * part:.0f} %"
 
 
 def _pictures(judged: Judged) -> str:

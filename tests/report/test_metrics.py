@@ -17,6 +17,14 @@ def plain(value: float) -> Picture:
     return np.full((16, 16, 3), value)
 
 
+def test_glints_are_what_is_brighter_than_white_and_no_brighter_light_makes_up_for_a_lost_one() -> None:
+    reference, picture = plain(0.5), plain(0.5)
+    reference[2, 2], reference[2, 3] = 4, 2
+    picture[2, 2], picture[2, 3] = 1, 9
+    assert compare(picture, reference, ALL, ALL).glints == pytest.approx((1 + 2) / (4 + 2))
+    assert compare(plain(3), plain(0.5), ALL, ALL).glints is None
+
+
 def test_decibels_are_of_display_values_and_energy_of_light_that_is_not_clipped() -> None:
     shown = display(plain(0.2)) + 0.1
     assert psnr(shown**2.2, plain(0.2), ALL) == pytest.approx(20)

@@ -17,7 +17,7 @@ from radtex_addon.forms.layered.files.layered_files import read_layered
 from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas, alpha_at
 from radtex_addon.report.finished_bake import Finished, find_bakes_of_all, read_bake
 from radtex_addon.report.gbuffer import Array, BakedSurface, CameraRays, eroded
-from radtex_addon.report.metrics import Mask, Picture, display, flip_map, psnr
+from radtex_addon.report.metrics import Mask, Picture, display, flip_map, glints_kept, psnr
 from radtex_addon.scene.preview_file import appended
 
 PIXELS = 256  # of a picture's side
@@ -25,7 +25,6 @@ SAMPLES = 256  # of a reference's pixel, denoised
 _SUBSAMPLES = 3  # along a pixel's side
 _LAYERS = 6  # clear parts before each other
 _LEFT = 0.01  # of the light from behind: less is nothing
-_GLINT = 1.0  # radiance that a display shows as white: what is brighter in the reference is a glint
 _FEWEST = 30  # pixels of a part in a view, or it is not judged there
 
 
@@ -60,13 +59,12 @@ class Figures:
     @classmethod
     def of(cls, shown: Picture, reference: Picture, mask: Mask) -> Figures:
         """Of the pixels in a mask."""
-        bright = mask & (reference.max(axis=2) > _GLINT)
-        kept = float(np.minimum(shown, reference)[bright].sum())
+        kept = glints_kept(shown, reference, mask)
         return cls(
             psnr(shown, reference, mask),
             float(flip_map(shown, reference)[mask].mean()),
             float(shown[mask].sum() / reference[mask].sum()),
-            kept / float(reference[bright].sum()) if bright.any() else float("nan"),
+            float("nan") if kept is None else kept,
         )
 
 
