@@ -13,7 +13,7 @@ import bpy
 import numpy as np
 
 from ..bake.piece_store import Arrays, PieceStore
-from ..bake.progress import Progress
+from ..bake.progress import Progress, relayed
 from ..core.arrays import Bools, Floats
 from ..core.errors import InputError
 from ..core.islands import signed_areas, surface_areas, uv_islands, weld
@@ -30,6 +30,7 @@ from ..scene.uv.artist_islands import ArtistIslands
 from ..scene.uv.unwrap import unwrap_steps
 from ..scene.uv.unwrap_options import AtlasUnwrap, UnwrapOptions
 from ..scene.uv.uv_layer import check_apart, user_uv, why_unfit
+from ..scene.uv.uvunwrap_job import unwrap_progress
 from ..settings.parts import Split
 from ..settings.spec import BakeSpec, Unwrap
 from ..settings.texel_density import side_for
@@ -283,7 +284,7 @@ def _seen(
 ) -> Generator[Progress, None, Bools]:
     """Which triangles (F,) of the meshes get all of their texels; all do where a density is asked for."""
     if method is Unwrap.AUTO and options.density is None:
-        return (yield from seen_faces(meshes, options.room))
+        return (yield from relayed(seen_faces(meshes, options.room), lambda _: unwrap_progress(0)))
     return np.ones(sum(len(mesh.triangles) for mesh in meshes), dtype=bool)
 
 

@@ -110,7 +110,7 @@ def test_assets_are_marked_and_made_again_in_place(bakes: dict[str, Path]) -> No
     assert radtex.make_asset(object=NAME, bake=str(bakes["plain"])) == {"FINISHED"}
     material, group = bpy.data.materials[TITLE], bpy.data.node_groups[TITLE]
     for block in (material, group):
-        assert block.asset_data.description.startswith("Baked radiance of Ball, 16 x 16 texels, for Eevee")
+        assert block.asset_data.description.startswith("Baked radiance of Ball, 16 x 8 texels, for Eevee")
         assert {tag.name for tag in block.asset_data.tags} == {"RadTex", "radiance", "buckets"}
         block.asset_data.tags.new("mine")
         block.asset_data.catalog_id = "0b2d9e4c-8d0e-4e6f-9a55-0d4ac2b1f001"

@@ -135,7 +135,7 @@ def test_the_dialog_tells_which_bake_it_is_about(plain: Path) -> None:
     os.utime(plain / f"{NAME}.radiance.json", (1e9, 1e9))  # 9 September 2001
     drawn = asked(bake=str(plain), object=NAME, target="raw")
     assert RADTEX_OT_asked.title == "Export Bake of Ball"
-    assert drawn.texts[0] == "Radiance, 16 x 16 texels"
+    assert drawn.texts[0] == "Radiance, 16 x 8 texels"
     assert "Sep 2001" in said(drawn)
     assert plain.name in said(drawn)
     assert STORED.isdisjoint(drawn.settings), "they are folded away"

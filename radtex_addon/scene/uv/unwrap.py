@@ -12,6 +12,7 @@ from __future__ import annotations
 import logging
 import math
 import time
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -52,6 +53,7 @@ _QUICK = 50_000  # triangles that Blender's projection takes a moment for, so th
 _LEAST_INTERIOR = (
     0.4  # share of an artist's islands that lies a texel off their borders, or they are not kept
 )
+_ENOUGH = 0.45  # share of the atlas that artist's islands cover: then no other unwrap is tried
 _HIDDEN = 0.25  # times as many texels along a side where no camera can be: they colour what mirrors them
 _EXACT = 0.01  # share by which a density may differ from what is asked for
 _PACKINGS = 5  # tries to come that near
@@ -165,9 +167,34 @@ class _Given:
 def _best(
     evaluated: EvaluatedMesh, texels: int, method: Unwrap, options: UnwrapOptions, given: _Given
 ) -> Steps[_Try]:
-    tries = yield from _with_artist_islands(evaluated, texels, method, options, given.artist)
-    if given.seen is not None and not given.seen.all():
-        tries = [_smaller_where_hidden(evaluated, flat, given.seen) for flat in tries]
+    """The best try with the artist's islands, if that covers enough of the atlas; else the best of all."""
+    kept: _Try | None = None
+    if given.artist is not None and given.artist.kept.any():
+        tries = yield from _with_artist_islands(evaluated, texels, method, options, given.artist)
+        with suppress(InputError):  # too many islands for so few texels
+            kept = yield from _best_of(evaluated, tries, texels, method, options, given.seen)
+        if kept is not None and kept.covered >= _ENOUGH:
+            return kept
+    tries = yield from _flattened(evaluated, texels, method, options)
+    if kept is None:
+        return (yield from _best_of(evaluated, tries, texels, method, options, given.seen))
+    with suppress(InputError):
+        anew = yield from _best_of(evaluated, tries, texels, method, options, given.seen)
+        return anew if anew.interior > kept.interior else kept
+    return kept
+
+
+def _best_of(
+    evaluated: EvaluatedMesh,
+    tries: list[FlatIslands],
+    texels: int,
+    method: Unwrap,
+    options: UnwrapOptions,
+    seen: Bools | None,
+) -> Steps[_Try]:
+    """The best of some ways to flatten the mesh. Raises InputError if none fits into the atlas."""
+    if seen is not None and not seen.all():
+        tries = [_smaller_where_hidden(evaluated, flat, seen) for flat in tries]
     best: _Try | None = None
     failure: InputError | None = None
     for flat in tries:
@@ -186,21 +213,15 @@ def _best(
 
 
 def _with_artist_islands(
-    evaluated: EvaluatedMesh,
-    texels: int,
-    method: Unwrap,
-    options: UnwrapOptions,
-    artist: ArtistIslands | None,
+    evaluated: EvaluatedMesh, texels: int, method: Unwrap, options: UnwrapOptions, artist: ArtistIslands
 ) -> Steps[list[FlatIslands]]:
-    """Several ways to flatten the mesh; what is in the artist's islands is the same in all."""
-    if artist is None or not artist.kept.any():
-        return (yield from _flattened(evaluated, texels, method, options))
+    """Several ways to flatten what is in no island of the artist's, which are in all; none if too small."""
     rest = ~artist.kept
     own = islands_of(evaluated, artist.uv, artist.island)
     density = options.density or texels * math.sqrt(_COVERED / max(own.area, 1e-30))
     if own.interior(density) < _LEAST_INTERIOR * own.area * density**2:
         log.info("the islands of the UV layer of '%s' are too small for so few texels", evaluated.name)
-        return (yield from _flattened(evaluated, texels, method, options))
+        return []
     if not rest.any():
         return [own]
     tries = yield from _flattened(taken(evaluated, rest), texels, method, options)
@@ -253,6 +274,12 @@ class _Try:
     packed: Packed
     interior: float
     needed: int = 0
+
+    @property
+    def covered(self) -> float:
+        """The share that islands cover of a square as wide as the longer side."""
+        side = max(self.packed.width, self.packed.height)
+        return float(np.abs(signed_areas(self.packed.uv)).sum()) / side**2
 
 
 def _tried(evaluated: EvaluatedMesh, flat: FlatIslands, texels: int, options: UnwrapOptions) -> Steps[_Try]:

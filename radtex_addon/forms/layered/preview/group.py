@@ -170,11 +170,9 @@ def _shading_normal(build: NodeBuilder, found: Socket, outward: Socket) -> Socke
 def _mirror_direction(
     build: NodeBuilder, shading: Socket, facing: Socket, viewer: Socket, outward: Socket
 ) -> Socket:
-    """No lower than the surface where the shading normal is not the mesh's, as `lookup.lobes.lifted`."""
+    """No lower than the surface, as `lookup.lobes.lifted`."""
     twice = build.vector("SCALE", shading, build.math("MULTIPLY", facing, 2.0))
     axis = build.vector("SUBTRACT", twice, viewer, label="mirror direction")
-    if shading is outward:
-        return axis
     lower = build.math("SUBTRACT", LOWEST, build.vector("DOT_PRODUCT", axis, outward))
     up = build.vector("SCALE", outward, build.math("MAXIMUM", lower, 0.0))
     return build.vector("NORMALIZE", build.vector("ADD", axis, up))
