@@ -14,7 +14,7 @@ from mathutils.bvhtree import BVHTree
 from radtex_addon.bake.progress import Progress, finished, relayed
 from radtex_addon.core.arrays import Floats, Ints
 from radtex_addon.core.islands import signed_areas, surface_areas, uv_islands, weld
-from radtex_addon.scene.mesh import backs, copy
+from radtex_addon.scene.mesh import copy, face_rays
 from radtex_addon.scene.mesh.backs import seen_from_behind, seen_from_behind_steps
 from radtex_addon.scene.mesh.copy import calc_tangents
 from radtex_addon.scene.mesh.evaluated import EvaluatedMesh, evaluate
@@ -72,7 +72,7 @@ def test_few_rays_tell_whether_any_back_is_seen(closed: bool, monkeypatch: pytes
     every = seen_from_behind(mesh)
     assert every.all() != closed
     monkeypatch.setattr(backs, "_RAYS", 2000)
-    monkeypatch.setattr(backs, "_AT_ONCE", 100)
+    monkeypatch.setattr(face_rays, "_AT_ONCE", 100)
     steps = list(seen_from_behind_steps(mesh))
     assert {step.total for step in steps} == ({2000} if closed else {2000, len(mesh.triangles)})
     assert np.array_equal(seen_from_behind(mesh), every)
