@@ -14,7 +14,7 @@ from mathutils.bvhtree import BVHTree
 from radtex_addon.bake.progress import Progress, finished, relayed
 from radtex_addon.core.arrays import Floats, Ints
 from radtex_addon.core.islands import signed_areas, surface_areas, uv_islands, weld
-from radtex_addon.scene.mesh import copy, face_rays
+from radtex_addon.scene.mesh import backs, copy, face_rays
 from radtex_addon.scene.mesh.backs import seen_from_behind, seen_from_behind_steps
 from radtex_addon.scene.mesh.copy import calc_tangents
 from radtex_addon.scene.mesh.evaluated import EvaluatedMesh, evaluate
