@@ -20,7 +20,7 @@ from radtex_addon.core.errors import BakeError, FormatError, InputError
 from radtex_addon.cycles import building_blocks, portal
 from radtex_addon.formats.disk.temporary import mark_of
 from radtex_addon.job import bake_object, bake_steps, check_request
-from radtex_addon.settings.spec import BakeSpec, Layout
+from radtex_addon.settings.spec import BakeSpec, Layout, Unwrap
 from radtex_addon.store.checkpoint_files import KEY, PIECE_FORMAT
 from tests.blender import stage
 from tests.blender.batch_process import Batch
@@ -207,7 +207,7 @@ def test_files_that_a_killed_bake_had_written_already_are_replaced(out: Path) ->
 
 
 def test_what_cannot_be_baked_leaves_nothing_to_go_on_with(out: Path) -> None:
-    spec = BakeSpec(texels=2, bucket=4, samples=1)
+    spec = BakeSpec(texels=2, bucket=4, samples=1, unwrap=Unwrap.UVUNWRAP)
     with pytest.raises(InputError, match="texels"):
         bake_object(context.scene, "Ball", spec, out)
     assert not (out / FOLDER).exists()
