@@ -16,6 +16,9 @@ pytestmark = pytest.mark.one_blender
 
 ROOT = Path(__file__).resolve().parents[2]
 ADDON = "addons/radtex/"
+UNIFORMS = {
+    f"radtex_{name}" for name in ("mirror", "material", "images", "base_map", "bump_map", "metal_map")
+}
 WANTED = {f"{ADDON}{name}" for name in ("plugin.cfg", "plugin.gd", "icon.svg", "README.md", "LICENSE")}
 
 
@@ -35,11 +38,7 @@ def test_the_addons_zip_is_whole(tmp_path: Path) -> None:
         for file in re.findall(r'(?:preload\(|^#include )"([\w.]+)"', text, re.MULTILINE):
             assert f"{folder}/{file}" in names, f"{name} names {file}"
     asked = re.findall(r'"(radtex(?:_\w+)?)"', texts[f"{ADDON}materials.gd"])
-    lookups = {
-        f"{ADDON}lookups/{name}.gdshaderinc"
-        for name in asked
-        if name not in ("radtex_mirror", "radtex_material")
-    }
+    lookups = {f"{ADDON}lookups/{name}.gdshaderinc" for name in asked if name not in UNIFORMS}
     assert lookups <= names
     surfaces = re.findall(r'Recipe\.new\("(\w+)"', texts[f"{ADDON}materials.gd"])
     assert {f"{ADDON}surfaces/{name}.gdshaderinc" for name in surfaces} <= names
