@@ -102,6 +102,10 @@ def baked_parts(folder: Path) -> list[Part]:
         with appended(bake.preview, tuple(names)) as copies:
             for copy in copies:
                 if copy is not None:
+                    bpy.context.scene.collection.objects.link(copy)
+            bpy.context.view_layer.update()  # only then do they stand in their places
+            for copy in copies:
+                if copy is not None:
                     mesh: Any = copy.data
                     surface = BakedSurface(mesh, np.array(copy.matrix_world), bake.sidecar.uv_map)
                     found.append(Part(copy.name, surface, bake, atlas))
