@@ -173,7 +173,7 @@ def _merge(
     lost = _lost(corners, area[some], uv[some], flat, owner, count)
     fine &= lost <= _SEAM * mesh.texel * _inner_border(mesh, island, group)
     fine &= _sound(corners, area[some], flat, owner, count)
-    fine[fine] = _apart_from_itself(flat, owner, fine)
+    fine[fine] = apart_from_itself(flat, owner, fine, _OVERLAP)
     good = fine[owner]
     uv[some[good]] = flat[good]
     lowest = np.full(count, len(group))
@@ -245,14 +245,17 @@ def _sound(corners: Floats, area: Floats, flat: Floats, owner: Ints, count: int)
     return fine
 
 
-def _apart_from_itself(flat: Floats, owner: Ints, chosen: Bools) -> Bools:
-    """Which of the `chosen` groups (G,) overlap nowhere."""
+def apart_from_itself(flat: Floats, owner: Ints, chosen: Bools, most: float) -> Bools:
+    """Which of the `chosen` islands (G,) have at most that share of their covered area covered twice.
+
+    `flat` (F, 3, 2) are triangles, `owner` (F,) their islands.
+    """
     kept = chosen[owner]
     number = (np.cumsum(chosen) - 1)[owner[kept]]
-    return overlaps(flat[kept], number, int(np.count_nonzero(chosen))) <= _OVERLAP
+    return _overlaps(flat[kept], number, int(np.count_nonzero(chosen))) <= most
 
 
-def overlaps(flat: Floats, owner: Ints, count: int) -> Floats:
+def _overlaps(flat: Floats, owner: Ints, count: int) -> Floats:
     """For each of `count` islands the share of its area that is covered twice: (count,).
 
     `flat` (F, 3, 2) are triangles, `owner` (F,) their islands.

@@ -18,7 +18,7 @@ from ...core.islands import signed_areas, split_corners, surface_areas, uv_islan
 from ...core.surface import stretches
 from ..mesh.evaluated import EvaluatedMesh
 from ..mesh.flatten import smooth_corners
-from ..mesh.merge_islands import overlaps
+from ..mesh.merge_islands import apart_from_itself
 from .unwrap_options import UnwrapOptions
 
 _SQUEEZED = 0.5  # times as long as on the surface, an island to scale: a texel is twice as long there
@@ -87,13 +87,5 @@ def _clean(corners: Floats, area: Floats, flat: Floats, island: Ints) -> Bools:
     fine: Bools = np.bincount(island, area * squeezed, minlength=count) <= _WORST * whole
     up = np.bincount(island, area * (signed_areas(flat) > 0), minlength=count)
     fine &= np.minimum(up, whole - up) <= _FLIPPED * whole
-    fine[fine] = _apart(flat, island, fine)
+    fine[fine] = apart_from_itself(flat, island, fine, _OVERLAP)
     return fine
-
-
-def _apart(flat: Floats, island: Ints, some: Bools) -> Bools:
-    """Which of `some` islands (I,) overlap themselves nowhere."""
-    inside = some[island]
-    number = (np.cumsum(some) - 1)[island[inside]]
-    found: Bools = overlaps(flat[inside], number, int(np.count_nonzero(some))) <= _OVERLAP
-    return found
