@@ -222,3 +222,12 @@ def test_what_no_camera_can_see_gets_few_texels(outer: float, clear: bool, few: 
     even = unwrapped(ball(0.2), shell, density=200.0)[1]  # a density is kept everywhere
     inner, whole = (share_of(mesh, uv) for mesh, uv in zip((core, other), even.uvs, strict=True))
     assert inner == pytest.approx(whole, rel=0.2)
+
+
+def test_flat_things_get_fewer_texels_than_curved_ones() -> None:
+    bpy.ops.mesh.primitive_cube_add(size=0.5)
+    both = context.object, ball()
+    for density, least, most in ((None, 0.6, 0.8), (200.0, 0.9, 1.1)):
+        meshes, made = unwrapped(*both, density=density)
+        flat, curved = (share_of(mesh, uv) for mesh, uv in zip(meshes, made.uvs, strict=True))
+        assert least * curved < flat < most * curved

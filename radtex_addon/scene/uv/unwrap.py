@@ -38,6 +38,7 @@ from ..mesh.flatten import (
 from ..mesh.mesh_parts import taken
 from .artist_islands import ArtistIslands
 from .island_packing import Packed, pack_islands, packed_closer
+from .island_sizes import smaller_where_flat, smaller_where_hidden
 from .unwrap_options import AtlasUnwrap, UnwrapOptions
 from .uvunwrap_job import MERGED, check_uvunwrap, unwrap_progress
 from .xatlas_process import XatlasProcess, check_xatlas
@@ -54,7 +55,6 @@ _LEAST_INTERIOR = (
     0.4  # share of an artist's islands that lies a texel off their borders, or they are not kept
 )
 _ENOUGH = 0.45  # share of the atlas that artist's islands cover: then no other unwrap is tried
-_HIDDEN = 0.25  # times as many texels along a side where no camera can be: they colour what mirrors them
 _EXACT = 0.01  # share by which a density may differ from what is asked for
 _PACKINGS = 5  # tries to come that near
 _TOLERATED_OVERLAP = 1e-3  # share of the covered area: less overlap is only a few slivers
@@ -94,18 +94,21 @@ def unwrap_steps(
 
     With a density, sides are multiples of `texel_density.STEP`, and at most `options.most`.
 
+    By `Unwrap.AUTO` without a density, flat islands get fewer texels than curved ones.
+
     Of several tries the one with most texels in the interior of islands is returned. Yields progress while
     xatlas works; closing the generator ends xatlas. Raises InputError if the surface has no area, or too many
     islands for so few texels; BakeError if xatlas fails.
     """
     options = (options or UnwrapOptions()).for_size(len(evaluated.triangles))
+    by_need = method is Unwrap.AUTO and options.density is None
     if method is Unwrap.AUTO:  # its own UV layer, which the caller has looked at, is not fit
         method = Unwrap.UVUNWRAP
     if method is Unwrap.XATLAS:
         _announce(evaluated, options)
     _check_area(evaluated)
     start = time.perf_counter()
-    given = _Given(artist, seen)
+    given = _Given(artist, seen, by_need)
     if options.density is None:
         best = yield from _best(evaluated, texels, method, options, given)
         closer = yield from packed_closer(best.packed, texels, options.padding)
@@ -158,10 +161,11 @@ def _check_area(evaluated: EvaluatedMesh) -> None:
 
 @dataclass(frozen=True, eq=False)
 class _Given:
-    """What the caller knows of the surface: as in `unwrap_steps`."""
+    """What the caller knows of the surface, as in `unwrap_steps`, and if flat islands get fewer texels."""
 
     artist: ArtistIslands | None
     seen: Bools | None
+    by_need: bool
 
 
 def _best(
@@ -172,14 +176,14 @@ def _best(
     if given.artist is not None and given.artist.kept.any():
         tries = yield from _with_artist_islands(evaluated, texels, method, options, given.artist)
         with suppress(InputError):  # too many islands for so few texels
-            kept = yield from _best_of(evaluated, tries, texels, method, options, given.seen)
+            kept = yield from _best_of(evaluated, tries, texels, method, options, given)
         if kept is not None and kept.covered >= _ENOUGH:
             return kept
     tries = yield from _flattened(evaluated, texels, method, options)
     if kept is None:
-        return (yield from _best_of(evaluated, tries, texels, method, options, given.seen))
+        return (yield from _best_of(evaluated, tries, texels, method, options, given))
     with suppress(InputError):
-        anew = yield from _best_of(evaluated, tries, texels, method, options, given.seen)
+        anew = yield from _best_of(evaluated, tries, texels, method, options, given)
         return anew if anew.interior > kept.interior else kept
     return kept
 
@@ -190,11 +194,13 @@ def _best_of(
     texels: int,
     method: Unwrap,
     options: UnwrapOptions,
-    seen: Bools | None,
+    given: _Given,
 ) -> Steps[_Try]:
     """The best of some ways to flatten the mesh. Raises InputError if none fits into the atlas."""
-    if seen is not None and not seen.all():
-        tries = [_smaller_where_hidden(evaluated, flat, seen) for flat in tries]
+    if given.seen is not None and not given.seen.all():
+        tries = [smaller_where_hidden(evaluated, flat, given.seen) for flat in tries]
+    if given.by_need:
+        tries = [smaller_where_flat(evaluated, flat) for flat in tries]
     best: _Try | None = None
     failure: InputError | None = None
     for flat in tries:
@@ -232,12 +238,6 @@ def _with_artist_islands(
         island[rest] = np.where(flat.island >= 0, flat.island + own.count, -1)
         found.append(islands_of(evaluated, uv, island))
     return found
-
-
-def _smaller_where_hidden(evaluated: EvaluatedMesh, flat: FlatIslands, seen: Bools) -> FlatIslands:
-    """The islands cut where what is seen ends, and smaller beyond."""
-    island = np.where(flat.island >= 0, 2 * flat.island + seen, -1)
-    return islands_of(evaluated, flat.uv * np.where(seen, 1, _HIDDEN)[:, None, None], island)
 
 
 def _flattened(
