@@ -13,9 +13,9 @@ from ..mesh.evaluated import EvaluatedMesh
 from ..mesh.flatten import FlatIslands, islands_of
 
 _HIDDEN = 0.25  # times as many texels along a side where no camera can be: they colour what mirrors them
-_USUAL = 20.0  # radians that the normal turns across a square as large as the surface, if it has its texels
-_POWER = 0.2  # of what it turns more, or less
-_LEAST, _MOST = 0.75, 1.2  # times as many texels along a side
+_USUAL = 40.0  # radians that the normal turns across a square as large as the surface, if it has its texels
+_POWER = 0.25  # of what it turns more, or less
+_LEAST, _MOST = 0.6, 1.3  # times as many texels along a side
 
 
 def smaller_where_hidden(evaluated: EvaluatedMesh, flat: FlatIslands, seen: Bools) -> FlatIslands:
