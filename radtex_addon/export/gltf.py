@@ -126,7 +126,7 @@ def baked_mesh(
     document["scenes"][0]["nodes"] = list(range(len(shown)))
     document["materials"] = []
     width, height = manifest.bake["texels"]
-    quantise(glb, traits, (width, height))
+    quantise(glb, traits, (width, height), layered=manifest.shader is not None)
     document["asset"]["generator"] = f"{manifest.tool}, {document['asset']['generator']}"
     return BakedMesh(glb, tuple(numbers))
 

@@ -47,10 +47,10 @@ def encode_png(picture: Floats) -> bytes:
 
 
 def _filtered(rows: Levels, above: Levels, channels: int) -> Levels:
-    """Rows of levels (R, N), `above` them (N,), each behind its filter's number and filtered by it: (R, 1 + N).
+    """Rows of levels (R, N), each filtered and behind its filter's number: (R, 1 + N).
 
-    Of the five filters each row has the one whose differences from 0 have the least sum, as the
-    specification suggests in section 12.7.
+    `above` is the row before them. Of the five filters each row has the one whose differences from 0 have the
+    least sum, as the specification suggests in section 12.7.
     """
     up = np.vstack([above, rows[:-1]])
     left, corner = np.zeros_like(rows), np.zeros_like(rows)
