@@ -315,7 +315,7 @@ def test_an_image_of_metal_and_roughness_has_these_alone(tmp_path: Path) -> None
     metal = np.asarray(PilImage.open(io.BytesIO(found.metal.data)))
     np.testing.assert_array_equal(metal, np.dstack([np.full((SIDE, SIDE), 255), levels[..., 1:3]]))
     assert len(found.metal.data) < 0.65 * len(found.normal.data)
-    np.testing.assert_array_equal(PilImage.open(io.BytesIO(found.normal.data)), levels)
+    np.testing.assert_array_equal(np.asarray(PilImage.open(io.BytesIO(found.normal.data))), levels)
     assert b"Raw profile" not in found.normal.data
     assert len(bpy.data.images) == 3
 

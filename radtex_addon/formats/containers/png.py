@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import struct
 import zlib
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -21,7 +22,7 @@ _KEPT_TEXTS = frozenset((b"Author", b"Copyright"))  # by their keywords
 _BAND = 2**20  # numbers of a picture that are filtered at once
 _COLOUR_TYPES = {3: 2, 4: 6}  # by channels: RGB, RGBA
 
-Levels = npt.NDArray[np.integer]
+Levels = npt.NDArray[np.integer[Any]]
 
 
 def encode_png(picture: Floats) -> bytes:
