@@ -205,7 +205,8 @@ def _pack(bake: ExportSource, spec: ExportSpec, folder: Path) -> Generator[Expor
         # A loader that takes no scene takes one mesh.
         names = bake.bake.objects if writer_of(spec.target).write_scene is not None else ()
         path = folder / manifest.mesh
-        write_gltf(scene, copy, layer, flat.png, manifest, path, flat.clear, names, pictures)
+        traits = spec.target.traits
+        write_gltf(scene, copy, layer, flat.png, manifest, path, traits, flat.clear, names, pictures)
     write_manifest(folder / f"{bake.name}.{EXTENSION}", manifest)
     return Pack(bake.name, manifest, folder, spec)
 

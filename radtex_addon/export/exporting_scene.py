@@ -11,6 +11,7 @@ from pathlib import Path
 from ..core.errors import InputError
 from ..formats.sidecar import safe_name
 from ..formats.sidecar_file import AnySidecar
+from ..settings.targets import TargetTraits
 from ..textures.export_spec import ExportSpec, ExportStep, ExportTask, Target
 from ..version import VERSION
 from .export_manifest import Manifest
@@ -109,7 +110,7 @@ def _pack(
     places: dict[str, int] = {}
     for number, node in enumerate(every):
         yield ExportStep(ExportTask.MESH, number, len(every))
-        places[node.name] = _add_node(scene, node, baked[node.bake])
+        places[node.name] = _add_node(scene, node, baked[node.bake], spec.target.traits)
     shown = [(places[node.name], [places[level.name] for level in node.levels]) for node in nodes]
     scene.write(folder / f"{name}.glb", shown)
     pack = ScenePack(name, [_entry(node, baked) for node in nodes], folder, spec)
@@ -152,11 +153,11 @@ def _told_as(step: ExportStep, steps: Generator[ExportStep, None, Flat]) -> Gene
         yield step
 
 
-def _add_node(scene: SceneGltf, node: SceneNode, baked: _Baked) -> int:
-    """Add a node to the glTF; returns its index."""
+def _add_node(scene: SceneGltf, node: SceneNode, baked: _Baked, traits: TargetTraits) -> int:
+    """Add a node to the glTF, for a target with these `traits`; returns its index."""
     layer, pictures = baked.source.bake.uv_map, baked.pictures
     with baked.source.copy(node.surfaces, pictures) as (alone, copy):
-        mesh = baked_mesh(alone, copy, layer, baked.manifest, (node.name,), pictures)
+        mesh = baked_mesh(alone, copy, layer, baked.manifest, (node.name,), traits, pictures)
     return scene.add_node(mesh, baked.texture, baked.manifest, baked.flat.clear, pictures)
 
 

@@ -28,9 +28,11 @@ from ..formats.containers.glb import Glb
 from ..formats.disk.temporary import temporary_folder
 from ..scene.mesh.copy import MATERIAL, NORMAL, OBJECT, SIGN, TANGENT, face_numbers, material_numbers
 from ..settings.kinds import Kind
+from ..settings.targets import TargetTraits
 from .export_manifest import Manifest
 from .gltf_images import GltfImages, kept_layers, set_coordinates
 from .material_images import MaterialPictures, Picture
+from .quantised import quantise
 
 EXTENSION = "RADTEX_radiance_texture"
 UNLIT = "KHR_materials_unlit"
@@ -60,17 +62,19 @@ def write_gltf(
     flat: bytes,
     manifest: Manifest,
     path: Path,
+    traits: TargetTraits,
     clear: bool = False,
     names: Sequence[str] = (),
     pictures: Pictures = NO_PICTURES,
 ) -> None:
-    """Write the baked copy, which is alone in `scene` and is changed, to `path`.
+    """Write the baked copy, which is alone in `scene` and is changed, to `path`, for a target's loaders.
 
     If it joins the copies of several objects with these `names`, each gets a node. `flat` is the PNG of
     materials without `pictures` of their own; if `clear`, its alpha is blended. The material of a hull is
     single-sided. Raises BakeError if Blender's exporter fails.
     """
-    mesh = baked_mesh(scene, copy, uv_layer, manifest, names or (manifest.bake["object"],), pictures)
+    names = names or (manifest.bake["object"],)
+    mesh = baked_mesh(scene, copy, uv_layer, manifest, names, traits, pictures)
     glb = mesh.glb
     glb.document["scenes"][0]["name"] = manifest.name
     images = GltfImages(glb)
@@ -87,9 +91,10 @@ def baked_mesh(
     uv_layer: str,
     manifest: Manifest,
     names: Sequence[str],
+    traits: TargetTraits,
     pictures: Pictures = NO_PICTURES,
 ) -> BakedMesh:
-    """The baked copy, which is alone in `scene` and is changed, as glTF.
+    """The baked copy, which is alone in `scene` and is changed, as glTF for a target with these `traits`.
 
     Its node and mesh get the only one of the `names`, or if it joins several copies each gets its own.
     Materials with `pictures` of their own have these on TEXCOORD_0, and the bake on TEXCOORD_1. Raises
@@ -120,6 +125,8 @@ def baked_mesh(
     document["nodes"] = [{**node, "name": names[one], "mesh": place} for place, one in enumerate(shown)]
     document["scenes"][0]["nodes"] = list(range(len(shown)))
     document["materials"] = []
+    width, height = manifest.bake["texels"]
+    quantise(glb, traits, (width, height), layered=manifest.shader is not None)
     document["asset"]["generator"] = f"{manifest.tool}, {document['asset']['generator']}"
     return BakedMesh(glb, tuple(numbers))
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, cast
 
@@ -15,7 +15,7 @@ import numpy as np
 
 from ..core.arrays import Floats
 from ..core.errors import FormatError
-from ..formats.containers.png import encode_png, without_colour_space
+from ..formats.containers.png import encode_png, has_colours_of_eight_bits, only_shown
 from ..formats.disk.temporary import temporary_folder
 from ..scene.image_materials import ImageMaterial, ImageSource, pixels_of
 from ..scene.kept_images import kept_images, kept_number
@@ -95,7 +95,7 @@ def _metal_and_roughness(
     fits = (metal is None and own.metallic == 0) or (metal is not None and metal.channel == _METAL)
     fits = fits and rough is not None and rough.channel == _ROUGH
     if fits and (metal is None or rough is None or metal.image == rough.image):
-        return _picture(either, limit)
+        return _without_unread(_picture(either, limit))
     channels = {_METAL: metal, _ROUGH: rough}
     images = {place: _grey(source) for place, source in channels.items() if source is not None}
     height, width = (max(sizes) for sizes in zip(*(image.shape for image in images.values()), strict=True))
@@ -109,6 +109,30 @@ def _metal_and_roughness(
         if step > 1:
             made = made.take(np.arange(step // 2, side, step), axis=axis)
     return Picture(encode_png(made[::-1]), _PNG, f"{either.image.name} metal roughness", either.wrap)
+
+
+def _without_unread(picture: Picture) -> Picture:
+    """A picture of metal and roughness with all other channels white, such as occlusion; if that is smaller.
+
+    A JPEG stays as it is: encoded again it would lose.
+    """
+    if not has_colours_of_eight_bits(picture.data):
+        return picture
+    with temporary_folder() as folder:
+        file = folder / "image.png"
+        file.write_bytes(picture.data)
+        image: Any = bpy.data.images.load(str(file))
+        try:
+            image.colorspace_settings.name = "Non-Color"
+            pixels, size = pixels_of(image), tuple(image.size)
+        finally:
+            bpy.data.images.remove(image)
+    if not pixels.size or pixels.shape[1::-1] != size:
+        return picture
+    made = np.ones((*pixels.shape[:2], 3), dtype=np.float32)
+    made[..., [_ROUGH, _METAL]] = pixels[..., [_ROUGH, _METAL]]
+    data = encode_png(made[::-1])
+    return replace(picture, data=data) if len(data) < len(picture.data) else picture
 
 
 def _grey(source: ImageSource) -> Floats:
@@ -130,7 +154,7 @@ def _picture(source: ImageSource, limit: int) -> Picture:
     data = _file_of(image) if max(cast(Any, image.size)) <= limit and not image.is_dirty else b""
     for beginning, mime in _BEGINNINGS.items():
         if data.startswith(beginning):
-            data = without_colour_space(data) if mime == _PNG else data
+            data = only_shown(data) if mime == _PNG else data
             return Picture(data, mime, image.name, source.wrap)
     data, mime = _made_anew(image, limit)
     return Picture(data, mime, image.name, source.wrap)

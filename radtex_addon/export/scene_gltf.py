@@ -108,6 +108,9 @@ class SceneGltf:
         whole["asset"]["generator"] = part["asset"]["generator"]
         (node,), (shape,) = part["nodes"], part["meshes"]
         first = len(whole["materials"])
+        for key in ("extensionsUsed", "extensionsRequired"):
+            if key in part:
+                whole[key] = sorted({*whole.get(key, []), *part[key]})
         add_materials(self._images, texture, manifest, mesh.numbers, node["name"], clear, pictures)
         accessor = self._add_accessors(mesh.glb)
         for primitive in shape["primitives"]:

@@ -68,6 +68,8 @@ class TargetTraits:
     * `languages`: the endings of the shader includes in the folder, where a program of the user's shows it.
       `needs_hlsl`: the bake's lookup is written into its shader; not all kinds have one.
     * `images`: it shows materials by their own images where they are texture sets.
+    * `short_coordinates`: its loaders read texture coordinates of 16 bits, which are core glTF; `quantised`:
+      also normals and tangents, by KHR_mesh_quantization, without which a loader refuses the file.
     * `blocks`: other images than plain light are compressed by default, each in a range of its own, and
       `light_blocks`: light is, too.
     * What loaders lack: `arrays` (with mip levels: no slices, no pages), those in KTX2 (`ktx2_arrays`),
@@ -87,6 +89,8 @@ class TargetTraits:
     languages: tuple[str, ...] = ()
     needs_hlsl: bool = False
     images: bool = False
+    short_coordinates: bool = False
+    quantised: bool = False
     blocks: bool = True
     light_blocks: bool = True
     arrays: bool = True
@@ -107,11 +111,12 @@ TARGETS: dict[Target, TargetTraits] = {
         help="a page for any static server", called="the web",
         next_step="Show in Browser opens it. On a site of your own, any web server will do",
         formats=frozenset((TextureFormat.AUTO, TextureFormat.KTX2_RGBA16F, TextureFormat.KTX2_RGB9E5)),
-        most_pixels=8192, mirror=True, images=True),
+        most_pixels=8192, mirror=True, images=True, short_coordinates=True, quantised=True),
     Target.GODOT: TargetTraits(
         "Godot", "A project that opens and runs, and the addon by which any project shows bakes",
         help="a project", next_step="Open project.godot in Godot 4, and press F5",
         formats=EVERY_FORMAT - {TextureFormat.EXR}, mirror=True, images=True,
+        short_coordinates=True,  # without the addon, 4.6 refuses a file that says it is quantised
         light_blocks=False,  # its Compatibility renderer may decompress BC6H to 8 bits
         ktx2_arrays=False, srgb=False, all_levels=True),
     Target.RAW: TargetTraits(
@@ -122,6 +127,7 @@ TARGETS: dict[Target, TargetTraits] = {
     Target.GLTF: TargetTraits(
         "glTF", "A .glb whose material names the textures",
         help="mesh, textures and shader includes", languages=("glsl",), images=True,
+        short_coordinates=True,  # any program opens it
         next_step="Every viewer shows the flat lightmap; the light of each direction needs the shader beside "
         "it"),
     Target.UNITY: TargetTraits(

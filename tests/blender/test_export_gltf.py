@@ -24,6 +24,8 @@ from radtex_addon.core.surface import SurfaceMesh
 from radtex_addon.export.export_manifest import read_manifest
 from radtex_addon.export.exporting import export_steps
 from radtex_addon.export.gltf import extension_in, to_gltf
+from radtex_addon.export.quantised import quantise
+from radtex_addon.export.targets import web
 from radtex_addon.formats.containers.glb import Glb
 from radtex_addon.job import bake_object
 from radtex_addon.scene.mesh.copy import NORMAL, SIGN, TANGENT
@@ -74,8 +76,8 @@ def of_wedge(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def exported(sidecar: Path, out: Path) -> Glb:
-    made = finished(export_steps(sidecar, ExportSpec(Target.GLTF), out))
+def exported(sidecar: Path, out: Path, target: Target = Target.GLTF) -> Glb:
+    made = finished(export_steps(sidecar, ExportSpec(target), out))
     return Glb.read(out / f"{made.name}.glb")
 
 
@@ -138,13 +140,76 @@ def test_the_frame_is_the_bakes_to_the_last_bit(of_wedge: Path) -> None:
         mesh.vertices.foreach_get("co", place.ravel())
     found = corners(glb)
     np.testing.assert_array_equal(found.position, to_gltf(place[vertex]))
-    np.testing.assert_allclose(found.uv, uv * (1, -1) + (0, 1), atol=6e-8)  # 1 - v, rounded to a float
+    np.testing.assert_allclose(found.uv, uv * (1, -1) + (0, 1), atol=0.51 / 65535)  # 1 - v, in 16 bits
     for name, ours in ((NORMAL, found.normal), (TANGENT, found.tangent[:, :3])):
         unit = normalised(to_gltf(values[name]).astype(np.float64)).astype(np.float32)
         np.testing.assert_array_equal(ours, unit)
         np.testing.assert_allclose(ours, to_gltf(values[name]), atol=2e-7)  # it was unit before
     np.testing.assert_array_equal(found.tangent[:, 3], sign)
     assert set(np.unique(sign)) == {-1.0, 1.0} or set(np.unique(sign)) == {1.0}
+
+
+FLOATS = {"POSITION": 5126, "NORMAL": 5126, "TANGENT": 5126, "TEXCOORD_0": 5126}
+SHORT = FLOATS | {"TEXCOORD_0": 5123}
+QUANTISED = SHORT | {"NORMAL": 5122, "TANGENT": 5122}
+STORED = {Target.RAW: FLOATS, Target.GLTF: SHORT, Target.GODOT: SHORT, Target.WEB: QUANTISED}
+
+
+@pytest.mark.usefixtures("any_page")
+@pytest.mark.parametrize("target", STORED)
+def test_vertices_have_the_bits_that_loaders_read(of_wedge: Path, target: Target, tmp_path: Path) -> None:
+    sidecar = of_wedge / "Wedge.radiance.json"
+    exact = corners(exported(sidecar, tmp_path / "exact", Target.RAW))
+    glb = exported(sidecar, tmp_path / "made", target)
+    found, document = corners(glb), glb.document
+    (primitive,) = document["meshes"][0]["primitives"]
+    accessors = {name: document["accessors"][index] for name, index in primitive["attributes"].items()}
+    assert {name: each["componentType"] for name, each in accessors.items()} == STORED[target]
+    for each in accessors.values():
+        view = document["bufferViews"][each["bufferView"]]
+        assert (view["byteLength"] / each["count"]) % 4 == 0
+        assert view["byteOffset"] % 4 == 0
+        assert each.get("normalized", False) is (each["componentType"] != 5126)
+    # Beyond core glTF are the frame's bits alone, and a loader that does not read these must refuse.
+    beyond = STORED[target] is QUANTISED
+    for key in ("extensionsUsed", "extensionsRequired"):
+        assert ("KHR_mesh_quantization" in document.get(key, [])) is beyond
+    np.testing.assert_array_equal(found.position, exact.position)
+    np.testing.assert_allclose(found.uv, exact.uv, atol=0.51 / 65535)
+    np.testing.assert_allclose(found.normal, exact.normal, atol=0.51 / 32767)
+    np.testing.assert_allclose(found.tangent, exact.tangent, atol=0.51 / 32767)
+    np.testing.assert_array_equal(found.tangent[:, 3], exact.tangent[:, 3])
+
+
+@pytest.mark.parametrize(("texels", "beyond"), [((4096, 64), 0.0), ((64, 64), 0.01)])
+def test_coordinates_that_rounding_would_show_stay_floats(
+    of_wedge: Path, texels: tuple[int, int], beyond: float
+) -> None:
+    """Of large atlases, and where images repeat."""
+    glb = Glb.read(of_wedge / "made" / "Wedge.glb")
+    (primitive,) = glb.document["meshes"][0]["primitives"]
+    coordinates = glb.accessor(primitive["attributes"]["TEXCOORD_0"])
+    coordinates[0, 0] = 1 + beyond
+    primitive["attributes"]["TEXCOORD_0"] = glb.add_vertices(coordinates)
+    exact = glb.accessor(primitive["attributes"]["TANGENT"])
+    quantise(glb, Target.WEB.traits, texels, layered=True)
+    index = primitive["attributes"]["TEXCOORD_0"]
+    assert glb.document["accessors"][index]["componentType"] == 5126
+    np.testing.assert_array_equal(glb.accessor(index), coordinates)
+    normal, tangent = (glb.accessor(primitive["attributes"][name]) for name in ("NORMAL", "TANGENT"))
+    np.testing.assert_allclose(np.linalg.norm(normal, axis=1), 1, atol=1e-4)
+    np.testing.assert_allclose(tangent, exact, atol=0.51 / 127)
+    assert np.abs(tangent - exact).max() > 1e-3, "8 bits suffice where all is interpolated"
+
+
+@pytest.fixture
+def any_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A web page in place of the built one, which a clone has only once its zip was built."""
+    folder = tmp_path / "page"
+    folder.mkdir()
+    for name in web.FILES:
+        (folder / name).write_text(web._UNNAMED)
+    monkeypatch.setattr(web, "BUILT", folder)
 
 
 def mirrored() -> Any:

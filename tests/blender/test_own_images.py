@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 from collections.abc import Callable
 from pathlib import Path
@@ -13,6 +14,8 @@ import bpy
 import numpy as np
 import pytest
 from mathutils import Matrix, Vector
+from PIL import Image as PilImage
+from PIL.PngImagePlugin import PngInfo
 
 from radtex_addon.bake.progress import finished
 from radtex_addon.core.arrays import Floats
@@ -20,7 +23,7 @@ from radtex_addon.export.export_manifest import read_manifest
 from radtex_addon.export.exporting import Exported, export_steps
 from radtex_addon.export.exporting_scene import export_scene_steps
 from radtex_addon.export.gltf import extension_in
-from radtex_addon.export.material_images import _metal_and_roughness
+from radtex_addon.export.material_images import _metal_and_roughness, _pictures
 from radtex_addon.formats.containers.exr import read_render
 from radtex_addon.formats.containers.glb import Glb
 from radtex_addon.formats.sidecar_file import opened
@@ -288,6 +291,33 @@ def test_an_export_has_the_images_once_and_light_alone(baked: Path, tmp_path: Pa
     light, images = (glb.accessor(attributes[f"TEXCOORD_{number}"]) for number in (1, 0))
     assert len(np.unique(np.round(images, 4), axis=0)) == 14  # of Blender's cube
     assert len(np.unique(np.round(light, 4), axis=0)) == 24
+
+
+def test_an_image_of_metal_and_roughness_has_these_alone(tmp_path: Path) -> None:
+    """Occlusion beside them, which no lookup reads, is white; what else a file tells is left out."""
+    rng = np.random.default_rng(3)
+    levels = rng.integers(0, 256, (SIDE, SIDE, 4), dtype=np.uint8)
+    texts = PngInfo()
+    texts.add_text("Raw profile type exif", "0" * 9000, zip=True)
+    buffer = io.BytesIO()
+    PilImage.fromarray(levels, "RGBA").save(buffer, "PNG", pnginfo=texts)
+    material: Any = texture_set()
+    for key in ("metal", "normal"):
+        made: Any = material.node_tree.nodes[key].image
+        made.pack(data=buffer.getvalue(), data_len=len(buffer.getvalue()))
+        made.source = "FILE"
+        made.reload()
+    own = find_image_material(material, UVS)
+    assert own is not None
+    found = _pictures(own, 2048)
+    assert found.metal is not None
+    assert found.normal is not None
+    metal = np.asarray(PilImage.open(io.BytesIO(found.metal.data)))
+    np.testing.assert_array_equal(metal, np.dstack([np.full((SIDE, SIDE), 255), levels[..., 1:3]]))
+    assert len(found.metal.data) < 0.65 * len(found.normal.data)
+    np.testing.assert_array_equal(np.asarray(PilImage.open(io.BytesIO(found.normal.data))), levels)
+    assert b"Raw profile" not in found.normal.data
+    assert len(bpy.data.images) == 3
 
 
 def test_tangents_are_those_of_the_images(baked: Path, tmp_path: Path) -> None:

@@ -22,7 +22,9 @@ from ..disk.regular import MOST_TEXT, open_regular
 _MAGIC, _VERSION = b"glTF", 2
 _JSON, _BINARY = b"JSON", b"BIN\0"
 _TYPES: dict[int, np.dtype[Any]] = {
+    5120: np.dtype("i1"),
     5121: np.dtype("u1"),
+    5122: np.dtype("<i2"),
     5123: np.dtype("<u2"),
     5125: np.dtype("<u4"),
     5126: np.dtype("<f4"),
@@ -65,24 +67,30 @@ class Glb:
         path.write_bytes(struct.pack("<4sII", _MAGIC, _VERSION, 12 + len(chunks)) + chunks)
 
     def accessor(self, index: int) -> Values:
-        """The values of an accessor: (N,) for scalars, else (N, components); not sparse, not interleaved.
+        """The values of an accessor: (N,) for scalars, else (N, components); not sparse.
 
-        Raises FormatError, with the source, if the document has no such accessor or the buffer is too short.
+        Normalised ones are float32, in [-1, 1]. Raises FormatError, with the source, if the document has no
+        such accessor or the buffer is too short.
         """
         try:
             accessor = self.document["accessors"][index]
             view = self.document["bufferViews"][accessor["bufferView"]]
             dtype, width = _TYPES[accessor["componentType"]], _COMPONENTS[accessor["type"]]
             numbers = [view.get("byteOffset", 0), accessor.get("byteOffset", 0), accessor["count"]]
+            stride = view.get("byteStride", width * dtype.itemsize)
         except (LookupError, TypeError, AttributeError) as error:
             raise self._without(index) from error
-        if any(type(number) is not int or number < 0 for number in numbers):
+        if any(type(number) is not int or number < 0 for number in (*numbers, stride)):
             raise self._without(index)
-        first, count = numbers[0] + numbers[1], numbers[2] * width
-        if first + count * dtype.itemsize > len(self.buffer):
+        first, count, size = numbers[0] + numbers[1], numbers[2], width * dtype.itemsize
+        if stride < size or first + ((count - 1) * stride + size if count else 0) > len(self.buffer):
             raise self._without(index)
-        values: Values = np.frombuffer(memoryview(self.buffer)[first:], dtype, count).copy()
-        return values if width == 1 else values.reshape(-1, width)
+        values: Values = np.ndarray(
+            (count, width), dtype, self.buffer, first, (stride, dtype.itemsize)
+        ).copy()
+        if accessor.get("normalized") is True and dtype.kind != "f":
+            values = np.maximum(values / np.float32(np.iinfo(dtype).max), -1).astype(np.float32)
+        return values[:, 0] if width == 1 else values
 
     def _without(self, index: int) -> FormatError:
         return FormatError(
@@ -97,16 +105,26 @@ class Glb:
         self.buffer.extend(data)
         return len(views) - 1
 
-    def add_vertices(self, values: Values, bounds: bool = False) -> int:
-        """Append an attribute of vertices (N, 2 to 4), as float32; returns the index of its accessor.
+    def add_vertices(self, values: Values, bounds: bool = False, dtype: str = "<f4") -> int:
+        """Append an attribute of vertices (N, 2 to 4); returns the index of its accessor.
 
-        With `bounds` the accessor has the minimum and maximum of each component.
+        As float32, or rounded to a `dtype` of whole numbers, which stand for [0, 1] or [-1, 1]. Each vertex
+        begins at a multiple of four bytes, as glTF wants it. With `bounds` the accessor has the minimum and
+        maximum of each component.
         """
         kind = {width: name for name, width in _COMPONENTS.items()}[values.shape[1]]
-        stored = np.ascontiguousarray(values, dtype="<f4")
+        number, whole = np.dtype(dtype), np.dtype(dtype).kind in "iu"
+        size = values.shape[1] * number.itemsize
+        filler = -size % 4 // number.itemsize
+        if whole:
+            values = np.rint(values.astype(np.float64) * np.iinfo(number).max)
+        stored = values.astype(number)
+        padded = np.pad(stored, ((0, 0), (0, filler)))
+        stride = {"byteStride": size + filler * number.itemsize} if filler else {}
         accessor = {
-            "bufferView": self.add_view(stored.tobytes(), target=_ARRAY_BUFFER),
-            "componentType": 5126,
+            "bufferView": self.add_view(padded.tobytes(), **stride, target=_ARRAY_BUFFER),
+            "componentType": next(code for code, each in _TYPES.items() if each == number),
+            **({"normalized": True} if whole else {}),
             "count": len(stored),
             "type": kind,
         }

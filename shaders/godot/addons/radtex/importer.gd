@@ -10,6 +10,7 @@ const Checks := preload("checks.gd")
 const Materials := preload("materials.gd")
 const Textures := preload("textures.gd")
 const EXTENSION := "RADTEX_radiance_texture"
+const QUANTIZATION := "KHR_mesh_quantization"  ## Godot reads such vertices, but does not say so.
 const BAKED := &"radtex_baked"  ## Metadata of a mesh with such materials.
 const FOUND := &"radtex"  ## Additional data of a GLTFState: new materials, by their numbers in the file.
 
@@ -36,7 +37,7 @@ func _import_preflight(state: GLTFState, extensions: PackedStringArray) -> Error
 
 
 func _get_supported_extensions() -> PackedStringArray:
-	return PackedStringArray([EXTENSION])
+	return PackedStringArray([EXTENSION, QUANTIZATION])
 
 
 func _import_post_parse(state: GLTFState) -> Error:
