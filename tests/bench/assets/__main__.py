@@ -94,7 +94,7 @@ def _result(name: str, folder: Path, options: argparse.Namespace, more: list[str
     bakes = options.baked or folder / "bake"
     if options.baked is None:
         named = [word for one in objects for word in ("--object", one)]
-        together = [] if options.apart else ["--together", ASSET]
+        together = [] if options.apart or len(objects) == 1 else ["--together", ASSET]
         wanted = ["--out", str(bakes), "--save-preview", "--overwrite", "--progress", "none"]
         if bake_py([str(scene), *named, *together, *wanted, *more], inside_blender=False):
             raise SystemExit(f"{name} was not baked")
