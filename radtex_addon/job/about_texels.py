@@ -9,10 +9,10 @@ from dataclasses import replace
 import bpy
 
 from ..core.messages import Message
-from ..scene.mesh.about_area import AboutArea, about_area
+from ..scene.mesh.about_area import AboutArea, about_area, about_islands
 from ..scene.scratch import find_view_layer
 from ..scene.units import metres_per_unit
-from ..settings.spec import BakeSpec
+from ..settings.spec import BakeSpec, Unwrap
 from ..settings.texel_density import about_side, capped_warning, side_for, side_for_several
 
 
@@ -27,14 +27,18 @@ def with_about_texels(scene: bpy.types.Scene, name: str, spec: BakeSpec) -> Bake
     return replace(spec, texels=min(needed_texels(scene, name, spec), spec.most_texels))
 
 
-def with_texels_of_several(spec: BakeSpec) -> BakeSpec:
+def with_texels_of_several(scene: bpy.types.Scene, spec: BakeSpec) -> BakeSpec:
     """The specification with about as many texels as its objects would have had, where the layout allows.
 
-    With a density it is returned unchanged.
+    More, if a new unwrap keeps hundreds of islands. With a density it is returned unchanged.
     """
     if spec.density is not None:
         return spec
-    side = min(side_for_several(spec.texels, len(spec.objects)), spec.most_texels)
+    islands = 0
+    if spec.unwrap is Unwrap.AUTO and spec.uv_layer is None:
+        there = (scene.objects[name] for name in spec.objects if name in scene.objects)
+        islands = sum(about_islands(item) for item in there if item.type == "MESH")
+    side = min(side_for_several(spec.texels, len(spec.objects), islands), spec.most_texels)
     return replace(spec, texels=max(spec.texels, side))
 
 

@@ -87,7 +87,7 @@ def find_assets(
     for group in groups:
         asset = Asset(_name_for(scene, group, known, taken), tuple(item.name for item in group))
         taken.add(asset.name)
-        whole = with_about_texels(scene, asset.name, spec_of_asset(spec, asset))
+        whole = with_about_texels(scene, asset.name, spec_of_asset(scene, spec, asset))
         if _is_layered(scene, asset.name, whole, wish) and _goes_on(asset.name, whole, folder):
             found.append(asset)
     return tuple(found)
@@ -140,9 +140,9 @@ def read_rendered(scene: bpy.types.Scene, frame: int | None) -> Read:
     return read
 
 
-def spec_of_asset(spec: BakeSpec, asset: Asset) -> BakeSpec:
+def spec_of_asset(scene: bpy.types.Scene, spec: BakeSpec, asset: Asset) -> BakeSpec:
     """The specification of an asset's bake, where `spec` is that of each object by itself."""
-    return with_texels_of_several(replace(spec, objects=asset.objects))
+    return with_texels_of_several(scene, replace(spec, objects=asset.objects))
 
 
 def _may_gain(spec: BakeSpec, wish: OpenLayout | None) -> bool:

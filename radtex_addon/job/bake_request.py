@@ -87,7 +87,7 @@ class BakeRequest:
         spec = self.spec
         if self.shared is not None:
             spec = replace(spec, objects=self.objects)
-            spec = with_texels_of_several(spec) if self.open_texels else spec
+            spec = with_texels_of_several(scene, spec) if self.open_texels else spec
         framed = of_frames(spec, self.frames) or (spec,)
         lit: dict[tuple[str, ...], None] = {}
         for names in self.lights:

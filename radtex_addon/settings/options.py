@@ -212,7 +212,8 @@ OBJECTS = Section(Fold.SURFACE, (
          "group of objects that touch and that the layered layout takes, called like the parent or the "
          "collection of them alone, else like the largest and _asset; no part of it is what is far larger "
          "and flat, or encloses the others, such as a floor or a room. Without --texels an atlas that they "
-         f"share has about as many as theirs would have, up to {MOST_SHARED} a side",
+         "share has about as many as theirs would have, more if their UV layers have hundreds of islands, up "
+         f"to {MOST_SHARED} a side",
          default_words="each has its own; a line says which touch",
          tooltip="Name of the shared texture, and of its files"),
     _row("split", flag="--split", takes=Split, word="way to split", title="Split By", items=SPLITS,

@@ -20,6 +20,7 @@ LEAST_DENSITY, MOST_DENSITY = 1e-9, 1e12  # texels per metre; what is beyond is 
 _PER_METRE = {"": 1.0, "m": 1.0, "cm": 100.0, "mm": 1000.0}
 _BEYOND = 2**31  # texels: all that is larger is too large alike
 MOST_SHARED, _SHARED_STEP = 512, 64  # texels along a side of an atlas that objects share, by default
+_OF_ISLAND = 13.5 / 128  # of each object's side: the side of a square that each island needs, with padding
 _USED, _APART = 0.7, 16  # what an unwrap covers of an atlas, but for the texels between islands: measured
 
 
@@ -83,12 +84,14 @@ def about_side(area: float, density: float) -> int:
     return rounded(min(side_for(area, density, _USED) + _APART, _BEYOND))
 
 
-def side_for_several(side: int, count: int) -> int:
+def side_for_several(side: int, count: int, islands: int = 0) -> int:
     """Texels along the side of an atlas that `count` objects share, of which each had `side` by itself.
 
-    About as many in all: a multiple of 64, and at most 512 if `side` is not larger.
+    About as many in all, and more where their own UV layers have hundreds of `islands`, or the room between
+    these takes most of the atlas: a multiple of 64, and at most 512 if `side` is not larger.
     """
-    return max(side, min(_SHARED_STEP * ceil(side * sqrt(count) / _SHARED_STEP), MOST_SHARED))
+    needed = side * max(sqrt(count), _OF_ISLAND * sqrt(islands))
+    return max(side, min(_SHARED_STEP * ceil(needed / _SHARED_STEP), MOST_SHARED))
 
 
 def grown_side(side: int, factor: float) -> int:

@@ -10,15 +10,16 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import bmesh
 import bpy
 import pytest
 
 from radtex_addon.cli.arguments import parse
 from radtex_addon.cli.prepare_arguments import parse_prepare
 from radtex_addon.core.errors import InputError
-from radtex_addon.job.assets import Asset, asset_requests, find_assets, read_shown
+from radtex_addon.job.assets import Asset, asset_requests, find_assets, read_shown, spec_of_asset
 from radtex_addon.job.layout_choice import OpenLayout
-from radtex_addon.settings.spec import BakeSpec, Kind, Layout, Split
+from radtex_addon.settings.spec import BakeSpec, Kind, Layout, Split, Unwrap
 from radtex_addon.settings.texel_density import side_for_several
 from radtex_addon.store.checkpoint import announce
 from radtex_addon.store.output_files import OutputFiles
@@ -137,6 +138,29 @@ def test_an_atlas_has_about_as_many_texels_as_its_objects_would_have(
     side: int, count: int, shared: int
 ) -> None:
     assert side_for_several(side, count) == shared
+
+
+def test_hundreds_of_islands_get_an_atlas_more_texels() -> None:
+    assert side_for_several(128, 3, 750) == 384
+    assert side_for_several(128, 3, 40_000) == 512
+    assert side_for_several(64, 3, 750) == 192  # a draft stays one
+
+
+@pytest.mark.usefixtures("blend")
+def test_islands_of_assets_are_counted() -> None:
+    asset = Asset("Lamp", LAMP)
+    assert spec_of_asset(context.scene, BakeSpec(), asset).texels == 192
+    for name in LAMP:
+        mesh = context.scene.objects[name].data
+        apart = bmesh.new()
+        apart.from_mesh(mesh)
+        bmesh.ops.subdivide_edges(apart, edges=apart.edges[:], cuts=9, use_grid_fill=True)
+        bmesh.ops.split_edges(apart, edges=apart.edges[:])
+        apart.to_mesh(mesh)
+        apart.free()
+    assert spec_of_asset(context.scene, BakeSpec(), asset).texels == 512
+    bare = BakeSpec(unwrap=Unwrap.UVUNWRAP)
+    assert spec_of_asset(context.scene, bare, asset).texels == 192, "it takes no islands of the layer"
 
 
 @pytest.mark.parametrize(

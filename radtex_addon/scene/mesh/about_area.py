@@ -1,18 +1,21 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""About how large an object's surface is, without evaluating the scene for a render."""
+"""About how large an object's surface is, and how many islands it has, without a render's evaluation."""
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import dataclass
 from typing import Any, cast
 
 import bpy
 import numpy as np
 
-from ...core.islands import signed_areas, surface_areas
+from ...core.islands import signed_areas, surface_areas, uv_islands
 
 _SAMPLE = 50_000  # triangles that are measured, every n-th of a larger mesh: some milliseconds
+
+_counts: dict[bytes, int] = {}  # of islands, by what was counted
 
 
 @dataclass(frozen=True)
@@ -48,6 +51,29 @@ def about_area(item: bpy.types.Object, layer: bpy.types.ViewLayer, uv_layer: str
     loops = _of(triangles, "loops", np.int32)[::step]
     covered = share * float(np.abs(signed_areas(flat.reshape(-1, 2)[loops].astype(np.float64))).sum())
     return AboutArea(surface, covered if 0 < covered < np.inf else None)
+
+
+def about_islands(item: bpy.types.Object) -> int:
+    """How many islands the active UV layer of a mesh object has, without its modifiers; 0 without a layer.
+
+    Counting takes a tenth of a second for 100,000 triangles; counts are kept, by what was counted.
+    """
+    mesh = cast("bpy.types.Mesh", item.data)
+    uv: Any = mesh.uv_layers.active
+    if uv is None or item.mode == "EDIT":
+        return 0
+    mesh.calc_loop_triangles()
+    triangles: Any = mesh.loop_triangles
+    flat = np.empty(2 * len(mesh.loops), dtype=np.float32)
+    uv.uv.foreach_get("vector", flat)
+    vertices = _of(triangles, "vertices", np.int32)
+    corners = flat.reshape(-1, 2)[_of(triangles, "loops", np.int32)]
+    if not len(vertices):
+        return 0
+    key = hashlib.blake2b(vertices.tobytes() + corners.tobytes(), digest_size=16).digest()
+    if key not in _counts:
+        _counts[key] = int(uv_islands(vertices, corners).max()) + 1
+    return _counts[key]
 
 
 def _of(triangles: Any, name: str, dtype: type[np.int32]) -> np.ndarray[Any, np.dtype[np.int32]]:

@@ -67,7 +67,7 @@ def _with_assets(
     parts = [name for name in names if name not in detailed]
     found = find_assets(scene, parts, spec, open_layout_of(values), folder, read_shown(scene))
     for asset in found:
-        texels = spec_of_asset(spec, asset).texels
+        texels = spec_of_asset(scene, spec, asset).texels
         of_asset = {"together": "one", "atlas_name": asset.name, "texels": texels}
         yield BakedGroup(values | of_asset, asset.objects, is_asset=True)
     inside = {name for asset in found for name in asset.objects}
