@@ -89,7 +89,7 @@ def _result(name: str, folder: Path, options: argparse.Namespace, more: list[str
     else:
         bpy.ops.wm.open_mainfile(filepath=str(scene))
     with tempfile.TemporaryDirectory() as place:
-        views = traced_views(Path(place))
+        views = traced_views(Path(place), options.eevee)
     before = _processor_seconds()
     bakes = options.baked or folder / "bake"
     if options.baked is None:
@@ -125,6 +125,7 @@ def _options() -> tuple[argparse.Namespace, list[str]]:
     parser.add_argument("--scene", type=Path)
     parser.add_argument("--objects", type=lambda text: text.split(","), default=[])
     parser.add_argument("--apart", action="store_true", help="each object in an atlas of its own")
+    parser.add_argument("--eevee", action="store_true", help="also how far Eevee's picture of the scene is")
     parser.add_argument("--baked", type=Path, help="the folder of bakes that are there")
     parser.add_argument("--out", type=Path, required=True)
     options = parser.parse_args(mine)

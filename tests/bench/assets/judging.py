@@ -13,6 +13,7 @@ import numpy as np
 from PIL import Image
 
 from radtex_addon.core.surface import ray_offset
+from radtex_addon.formats.containers.exr import read_render
 from radtex_addon.forms.layered.files.layered_files import read_layered
 from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas, alpha_at
 from radtex_addon.report.finished_bake import Finished, find_bakes_of_all, read_bake
@@ -20,8 +21,11 @@ from radtex_addon.report.gbuffer import Array, BakedSurface, CameraRays, eroded
 from radtex_addon.report.metrics import Mask, Picture, display, flip_map, glints_kept, psnr
 from radtex_addon.scene.preview_file import appended
 
+from ..fidelity.methods.eevee import set_up
+
 PIXELS = 256  # of a picture's side
 SAMPLES = 256  # of a reference's pixel, denoised
+_EEVEE_SAMPLES = 64
 _SUBSAMPLES = 3  # along a pixel's side
 _LAYERS = 6  # clear parts before each other
 _LEFT = 0.01  # of the light from behind: less is nothing
@@ -30,11 +34,12 @@ _FEWEST = 30  # pixels of a part in a view, or it is not judged there
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """A path-traced picture by one of the scene's cameras, and the rays of its pixels."""
+    """A path-traced picture by one of the scene's cameras, the rays of its pixels, and Eevee's picture."""
 
     name: str
     reference: Picture
     rays: CameraRays
+    eevee: Picture | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,28 +73,40 @@ class Figures:
         )
 
 
-def traced_views(folder: Path) -> list[View]:
-    """Path trace the open scene from each of its cameras whose name begins with "view", in order of names."""
+def traced_views(folder: Path, eevee: bool) -> list[View]:
+    """Path trace the open scene from each of its cameras whose name begins with "view", in order of names.
+
+    With `eevee` that renders them, too, with ray tracing; the scene is then set to it.
+    """
     scene: Any = bpy.context.scene
     scene.render.resolution_x = scene.render.resolution_y = PIXELS
     scene.render.resolution_percentage = 100
     scene.render.image_settings.file_format = "OPEN_EXR"
     scene.cycles.samples, scene.cycles.use_denoising, scene.cycles.seed = SAMPLES, True, 7
     cameras = [item for item in scene.objects if item.type == "CAMERA" and item.name.startswith("view")]
+    cameras.sort(key=lambda item: str(item.name))
+    traced = [_rendered(camera, folder) for camera in cameras]
+    if eevee:
+        set_up(scene, PIXELS, _EEVEE_SAMPLES)
+    compared = [_rendered(camera, folder) if eevee else None for camera in cameras]
     found = []
-    for camera in sorted(cameras, key=lambda item: str(item.name)):
-        file = folder / f"{camera.name}.exr"
-        scene.camera = camera
-        scene.render.filepath = str(file)
-        bpy.ops.render.render(write_still=True)
-        image: Any = bpy.data.images.load(str(file))
-        picture = np.array(image.pixels[:]).reshape(PIXELS, PIXELS, 4)[::-1, :, :3]
-        bpy.data.images.remove(image)
+    for camera, picture, other in zip(cameras, traced, compared, strict=True):
         matrix = np.array(camera.matrix_world)
         half = camera.data.sensor_width / 2 / camera.data.lens
         rays = CameraRays.of_camera(matrix[:3, 3], matrix[:3, :3], half, PIXELS, _SUBSAMPLES)
-        found.append(View(camera.name, picture.astype(np.float64), rays))
+        found.append(View(camera.name, picture, rays, other))
     return found
+
+
+def _rendered(camera: Any, folder: Path) -> Picture:
+    scene: Any = bpy.context.scene
+    file = folder / "view.exr"
+    scene.camera = camera
+    scene.render.filepath = str(file)
+    bpy.ops.render.render(write_still=True)
+    (found,) = read_render(file).values()
+    picture: Picture = found[::-1, :, :3].astype(np.float64)
+    return picture
 
 
 def baked_parts(folder: Path) -> list[Part]:
@@ -131,9 +148,13 @@ def judge(parts: list[Part], view: View, sheet: Path) -> dict[str, Figures]:
     apart = np.abs(display(shown) - display(view.reference))
     row = np.concatenate([display(view.reference), display(shown), np.clip(2 * apart, 0, 1)], axis=1)
     Image.fromarray((255 * row).astype(np.uint8)).save(sheet)
-    return {
+    found = {
         name: Figures.of(shown, view.reference, mask) for name, mask in masks.items() if mask.sum() >= _FEWEST
     }
+    if view.eevee is not None:
+        picture = np.where(inside[..., None], view.eevee, view.reference)
+        found["Eevee"] = Figures.of(picture, view.reference, whole)
+    return found
 
 
 def _seen(parts: list[Part], rays: CameraRays) -> tuple[Array, Array]:

@@ -102,7 +102,7 @@ def _rendered(seen_from: Camera, pixels: int, samples: int) -> Picture:
         camera.matrix_world = Matrix(place.tolist())
         copy.collection.objects.link(camera)
         copy.camera = camera
-        _set_up(copy, pixels, samples)
+        set_up(copy, pixels, samples)
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder, "view.exr")
             copy.render.filepath = str(path)
@@ -116,7 +116,8 @@ def _rendered(seen_from: Camera, pixels: int, samples: int) -> Picture:
     return picture
 
 
-def _set_up(scene: bpy.types.Scene, pixels: int, samples: int) -> None:
+def set_up(scene: bpy.types.Scene, pixels: int, samples: int) -> None:
+    """Have the scene rendered by Eevee with ray tracing, to an EXR file. Raises BakeError without it."""
     render = cast(Any, scene.render)
     known = render.bl_rna.properties["engine"].enum_items.keys()
     found = [engine for engine in _ENGINES if engine in known]
