@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from .arrays import Floats
 from .errors import ShapeError
 
@@ -43,6 +45,12 @@ class AtlasLayout:
         n = self.bucket
         cut = image.reshape(self.height, n, self.width, n, image.shape[2])
         return cut.transpose(0, 2, 1, 3, 4)
+
+    def some_cells(self, image: Floats) -> Floats:
+        """Five cells of each bucket of an image, the middle one and four around it: (H, W, 5, C), a copy."""
+        low, middle, high = self.bucket // 4, self.bucket // 2, 3 * self.bucket // 4
+        q, p = np.array([(middle, middle), (low, low), (low, high), (high, low), (high, high)]).T
+        return self.to_buckets(image)[:, :, q, p]
 
     def from_buckets(self, buckets: Floats) -> Floats:
         """Join buckets (H, W, n, n, C) to an image (H*n, W*n, C)."""

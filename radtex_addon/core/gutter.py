@@ -74,6 +74,8 @@ def covered_in_coarser(covered: Bools, shape: tuple[int, ...], step: float) -> B
 def gutter_agreement(covered: Bools, texels: Floats, loss: float = 0.0) -> float:
     """How well a UV layer that covers the texels `covered` (H, W) agrees with a bake's `texels` (H, W, K).
 
+    The texels of G cells, each of which has its own gutter, are (H, W, G, K): their mean is returned.
+
     Returns the share, 0 to 1, of gutter values that are copies of the nearest covered texel's. Values count
     as copies if they differ by at most `loss` times the larger. Covered texels that nobody sees, which are
     cut out or buried in another part, may be copies themselves, so that the gutter beside them has a farther
@@ -82,6 +84,8 @@ def gutter_agreement(covered: Bools, texels: Floats, loss: float = 0.0) -> float
     """
     if texels.shape[:2] != covered.shape:
         raise ShapeError(f"texels: expected shape {(*covered.shape, '...')}, got {texels.shape}")
+    if texels.ndim == 4:
+        return float(np.mean([gutter_agreement(covered, cell, loss) for cell in np.moveaxis(texels, 2, 0)]))
     if not covered.any():
         return 0.0
     gutter = np.flatnonzero(~covered)

@@ -37,7 +37,8 @@ Lookup: TypeAlias = Callable[[Fragments], Floats]  # the linear light (N, 3) of 
 class Opened:
     """A finished bake, read: its sidecar, its images' paths, and a `lookup` of the light in them.
 
-    `texels` (H, W, K) are the stored values that belong to single texels, of the atlas's or of fewer.
+    `texels` (H, W, K) are the stored values that belong to single texels, of the atlas's or of fewer; of
+    buckets (H, W, G, K), some of their cells.
     `compression` is None if RadTex does not write it. `loss` is the largest relative
     difference between two of `texels` that were equal before lossy compression.
     """

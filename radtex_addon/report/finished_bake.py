@@ -34,7 +34,8 @@ class Finished:
     """A bake that was read: the sidecar's `file`, its images, and the light in them.
 
     `radiance` gives the light (N, 3), linear, along a G-buffer's N rays, zero where they miss. `texels`
-    (H, W, K) are the stored values of each texel: light, or those of the form's `own_texels`.
+    (H, W, K) are the stored values of each texel: light, or those of the form's `own_texels`; of buckets
+    (H, W, G, K), some of their cells.
     `compression` is None for a method that RadTex does not write. `loss` is the greatest
     relative difference of two `texels` that were equal before lossy compression.
     """

@@ -39,10 +39,10 @@ def mean_of_buckets(pixels: Floats, layout: AtlasLayout) -> Floats:
     return np.broadcast_to(light, (*light.shape[:2], 3)) if light.shape[2] == 1 else light
 
 
-def check_means(sidecar: Path, covered: Bools, means: Floats) -> None:
-    """`check_surface` with the means of buckets."""
+def check_stored(sidecar: Path, covered: Bools, stored: Floats) -> None:
+    """`check_surface` with means of buckets (H, W, C), or some cells (H, W, G, C)."""
     loss = max(loss_of(stored_compression(sidecar.with_suffix(".exr"))), _ROUNDED)
-    check_surface(sidecar, covered, means, loss)
+    check_surface(sidecar, covered, stored, loss)
 
 
 def check_surface(sidecar: Path, covered: Bools, stored: Floats, loss: float) -> None:

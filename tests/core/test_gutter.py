@@ -10,7 +10,9 @@ from hypothesis import given
 from hypothesis.extra import numpy as arrays
 from scipy.ndimage import distance_transform_edt
 
+from radtex_addon.bake.hidden_cells import fill_missing
 from radtex_addon.core.arrays import Bools, Ints
+from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.errors import InputError, ShapeError
 from radtex_addon.core.gutter import (
     LEAST_AGREEMENT,
@@ -19,6 +21,7 @@ from radtex_addon.core.gutter import (
     gutter_agreement,
     nearest_covered,
 )
+from radtex_addon.textures.flat_lightmap import mean_of_buckets
 
 masks = arrays.arrays(np.bool_, arrays.array_shapes(min_dims=2, max_dims=2, max_side=14)).filter(np.any)
 
@@ -93,3 +96,22 @@ def test_gutters_agree_with_their_own_layer_alone_whatever_nobody_sees_of_it(rim
     print(rim, gutter_agreement(covered, values), found)
     assert gutter_agreement(covered, values) == 1
     assert max(found) < LEAST_AGREEMENT
+
+
+def test_gutters_of_cells_agree_though_each_lacks_other_texels() -> None:
+    covered = np.zeros((64, 64), dtype=bool)
+    covered[4:20, 4:30] = covered[26:60, 8:22] = covered[30:56, 36:58] = True
+    random = np.random.default_rng(2)
+    hidden = (random.random((64, 64, 8, 8)) < 0.7) & covered[..., None, None]
+    buckets = random.random((64, 64, 8, 8, 3)).astype(np.float32)
+    for _ in fill_missing(buckets, covered, hidden):
+        pass
+    layout = AtlasLayout(64, 64, 8)
+    image = layout.from_buckets(buckets)
+    cells = layout.some_cells(image)
+    assert cells.shape == (64, 64, 5, 3)
+    assert (
+        gutter_agreement(covered, mean_of_buckets(image, layout), 1e-4) < LEAST_AGREEMENT
+    )  # why cells are asked
+    assert gutter_agreement(covered, cells) == 1
+    assert gutter_agreement(covered.T, cells) < LEAST_AGREEMENT

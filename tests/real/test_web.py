@@ -175,7 +175,7 @@ def khronos_neutral(light: Floats) -> Floats:
     peak = colour.max(axis=1, keepdims=True)
     compressed = 1 - (1 - start) ** 2 / (peak + 1 - 2 * start)
     grey = 1 - 1 / (desaturation * (peak - compressed) + 1)
-    bright: Floats = colour * compressed / peak * (1 - grey) + compressed * grey
+    bright: Floats = colour * compressed / np.maximum(peak, 1e-9) * (1 - grey) + compressed * grey
     return np.where(peak < start, colour, bright)
 
 

@@ -40,7 +40,7 @@ from ...settings.kinds import KINDS, Kind
 from ...settings.spec import BakeSpec
 from ...textures.entry import Arranged, Container, TextureEntry
 from ...textures.export_spec import Arrangement, ExportSpec, ExportStep, TextureFormat
-from ...textures.flat_lightmap import check_means, mean_of_buckets
+from ...textures.flat_lightmap import check_stored, mean_of_buckets
 from ..bake_job import BakeJob
 from ..buckets.form import Buckets
 from ..form import Form, PreviewOf
@@ -164,7 +164,7 @@ class Bits(Buckets):
         yield from ()
         pixels, facts = visible_buckets(sidecar)
         light = mean_of_buckets(pixels, AtlasLayout(facts.width, facts.height, facts.bucket))
-        check_means(sidecar.path, covered_texels(surface, facts.width, facts.height), light)
+        check_stored(sidecar.path, covered_texels(surface, facts.width, facts.height), light)
         return light
 
     def check_textures(self, sidecar: SidecarFile, spec: ExportSpec) -> None:

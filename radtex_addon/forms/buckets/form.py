@@ -103,7 +103,7 @@ class Buckets:
             sidecar=facts,
             images=(image,),
             lookup=lookup,
-            texels=layout.to_buckets(pixels)[..., :3].reshape(facts.height, facts.width, -1),
+            texels=layout.some_cells(pixels),
             compression=compression,
             loss=loss_of(compression),
         )

@@ -20,7 +20,7 @@ from ...formats.sidecar_file import SidecarFile
 from ...textures.choice import checked_levels
 from ...textures.entry import TextureEntry
 from ...textures.export_spec import ExportSpec, TextureFormat
-from ...textures.flat_lightmap import check_means, mean_of_buckets
+from ...textures.flat_lightmap import check_stored, mean_of_buckets
 from ...textures.matrix import write_matrix
 from ...textures.stream import light_of
 from ...textures.texture_files import write_image
@@ -41,8 +41,8 @@ def flat_buckets(sidecar: SidecarFile, surface: SurfaceMesh, used: slice) -> Flo
     atlas is of another surface.
     """
     image, facts = open_buckets(sidecar)
-    light = _means(image, facts, used)
-    check_means(sidecar.path, covered_texels(surface, facts.width, facts.height), light)
+    light, cells = _means_and_cells(image, facts, used)
+    check_stored(sidecar.path, covered_texels(surface, facts.width, facts.height), cells)
     return light
 
 
@@ -53,12 +53,13 @@ def light_channels(sidecar: SidecarFile) -> slice:
     return slice(_ALPHA + 1 if clear else _ALPHA)
 
 
-def _means(image: ImageRows, facts: Sidecar, used: slice) -> Floats:
-    means = []
+def _means_and_cells(image: ImageRows, facts: Sidecar, used: slice) -> tuple[Floats, Floats]:
+    means, cells = [], []
     for _, band in image.bands(facts.bucket):
         some = AtlasLayout(facts.width, len(band) // facts.bucket, facts.bucket)
         means.append(mean_of_buckets(band[..., used], some))
-    return np.concatenate(means)
+        cells.append(some.some_cells(band))
+    return np.concatenate(means), np.concatenate(cells)
 
 
 def check_buckets(sidecar: SidecarFile, spec: ExportSpec) -> None:

@@ -46,7 +46,7 @@ from ...settings.forms import SPHERE, FormTraits
 from ...settings.spec import BakeSpec, View
 from ...textures.entry import TextureEntry
 from ...textures.export_spec import Arrangement, ExportSpec, ExportStep, Target
-from ...textures.flat_lightmap import check_means
+from ...textures.flat_lightmap import check_stored
 from ...textures.matrix import write_matrix
 from ..bake_job import BakeJob
 from ..buckets.form import Buckets, defines, has_samples_and_cells
@@ -78,7 +78,7 @@ def flat_sphere(sidecar: SidecarFile, surface: SurfaceMesh) -> Floats:
     """The flat lightmap of a bake of kind `transfer`, under white surroundings; as `Form.flat`."""
     pixels, facts = read_transfer(sidecar)
     light = mean_over_lights(pixels, facts.layout, facts.views)[..., :3]
-    check_means(sidecar.path, covered_texels(surface, facts.layout.width, facts.layout.height), light)
+    check_stored(sidecar.path, covered_texels(surface, facts.layout.width, facts.layout.height), light)
     return light
 
 

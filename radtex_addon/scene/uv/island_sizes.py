@@ -51,6 +51,7 @@ def _turned(evaluated: EvaluatedMesh, island: Ints) -> Floats:
     length = np.linalg.norm(place[edges.starts[:, 0]] - place[edges.ends[:, 0]], axis=1)
     cosine = np.clip((normal[first] * normal[second]).sum(axis=1), -1, 1)
     turned = np.where(island[first] == island[second], np.arccos(cosine) * length / 2, 0)
-    count = len(triangles)
-    found: Floats = np.bincount(first, turned, count) + np.bincount(second, turned, count)
+    found = np.zeros(len(triangles))
+    for side in (first, second):
+        np.add.at(found, side, turned)
     return found
