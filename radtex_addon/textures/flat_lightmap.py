@@ -39,15 +39,19 @@ def mean_of_buckets(pixels: Floats, layout: AtlasLayout) -> Floats:
     return np.broadcast_to(light, (*light.shape[:2], 3)) if light.shape[2] == 1 else light
 
 
-def check_stored(sidecar: Path, covered: Bools, stored: Floats) -> None:
-    """`check_surface` with means of buckets (H, W, C), or some cells (H, W, G, C)."""
+def check_stored(sidecar: Path, covered: Bools, *stored: Floats) -> None:
+    """`check_surface` with means of buckets (H, W, C), some of their cells (H, W, G, C), or both."""
     loss = max(loss_of(stored_compression(sidecar.with_suffix(".exr"))), _ROUNDED)
-    check_surface(sidecar, covered, stored, loss)
+    check_surface(sidecar, covered, loss, *stored)
 
 
-def check_surface(sidecar: Path, covered: Bools, stored: Floats, loss: float) -> None:
-    """Raise FormatError if the atlas's gutter, in `stored`, is not that of a surface's `covered` texels."""
-    if gutter_agreement(covered, stored, loss) < LEAST_AGREEMENT:
+def check_surface(sidecar: Path, covered: Bools, loss: float, *stored: Floats) -> None:
+    """Raise FormatError if the atlas's gutter is not that of a surface's `covered` texels.
+
+    Not in any of the images that are `stored`: cells keep copies where each has its own gutter, which means
+    lose, and means where compression is lossy.
+    """
+    if max(gutter_agreement(covered, one, loss) for one in stored) < LEAST_AGREEMENT:
         raise FormatError(
             f"the preview beside {sidecar} is of another bake",
             do("bake it again with a preview", Setting.SAVE_PREVIEW),

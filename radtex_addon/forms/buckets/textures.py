@@ -42,7 +42,7 @@ def flat_buckets(sidecar: SidecarFile, surface: SurfaceMesh, used: slice) -> Flo
     """
     image, facts = open_buckets(sidecar)
     light, cells = _means_and_cells(image, facts, used)
-    check_stored(sidecar.path, covered_texels(surface, facts.width, facts.height), cells)
+    check_stored(sidecar.path, covered_texels(surface, facts.width, facts.height), cells, light)
     return light
 
 

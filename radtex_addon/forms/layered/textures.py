@@ -62,7 +62,7 @@ def flat_layered(sidecar: SidecarFile, surface: SurfaceMesh) -> Generator[Export
     stored, loss = own_texels(sidecar.path, atlas)
     covered = covered_texels(surface, facts.bake.width, facts.bake.height)
     step = step_to(stored.shape, covered.shape)
-    check_surface(sidecar.path, covered_in_coarser(covered, stored.shape[:2], step), stored, loss)
+    check_surface(sidecar.path, covered_in_coarser(covered, stored.shape[:2], step), loss, stored)
     material = surface.material_numbers[texels.triangle[texels.covered]]
     return (yield from mean_of_layered(atlas, texels, material))
 
