@@ -12,6 +12,7 @@
 //
 // What the bake has. RADTEX_MIRRORS: any of its materials has lobes. RADTEX_TINT, RADTEX_NORMAL, RADTEX_WIDTH,
 // RADTEX_ALPHA, RADTEX_PLANE, RADTEX_THINGS (with distances): these layers. RADTEX_LAMPS: how many, 0 to 8.
+// RADTEX_GLOSSES: how much a material mirrors follows from its tint and its width.
 // RADTEX_IMAGES: the material is shown by its own images, in place of colour, tint and normal: call radtex_layered_images.
 // RADTEX_OWN_CELLS, RADTEX_REST_CELLS: cells along the sides of buckets.
 //
@@ -22,8 +23,9 @@
 // Textures, one for each layer, are clamped to their edges and filtered linearly; world, plane and things have mip
 // levels, filtered linearly, too. v = 0 is the first row. A range is the share of a texture's width and height that is
 // no padding, and scale and offset: a value is texel * scale + offset, but for the alpha of own, plane and things.
-// Uniforms are the same for all materials, but for radtex_material and radtex_lobes: draw one material at a time. Or define
-// RADTEX_MATERIALS, give those two the values of so many materials one behind the other, and call radtex_layered_of.
+// Uniforms are the same for all materials, but for radtex_material, radtex_lobes and radtex_gloss: draw one material
+// at a time. Or define RADTEX_MATERIALS, give those the values of so many materials one behind the other, and call
+// radtex_layered_of.
 //
 // RADTEX_DECLARED: you declare the uniforms before, in blocks if you like, as Vulkan must have it.
 // RADTEX_NO_DERIVATIVES: for stages other than the fragment's.
@@ -84,6 +86,9 @@ uniform vec4 radtex_alpha_range;
 #ifdef RADTEX_MIRRORS
 // By N.V: weight, and log2 of the width²; the first lobe's, then the second one's.
 uniform vec4 radtex_lobes[32 * RADTEX_MATERIALS];
+#ifdef RADTEX_GLOSSES
+uniform vec4 radtex_gloss[RADTEX_MATERIALS];  // its mean glossy colour and log2 of its mean width²: see radtex_reflected; 0 if tints say all
+#endif
 uniform sampler2D radtex_own_map;
 uniform vec4 radtex_own_range, radtex_own_tile;
 #ifdef RADTEX_WIDTH
@@ -369,6 +374,26 @@ float radtex_free(float kept, float width) {
     return 0.5 + 0.5 * sharper * inversesqrt(1.0 - side * side + sharper * sharper);
 }
 
+#ifdef RADTEX_GLOSSES
+// What of the light is reflected where facets' reflectance is F: F x + y, by roughness and N.V (Karis, "Physically Based
+// Shading on Mobile", 2014).
+vec2 radtex_environment(float rough, float cosine) {
+    float smoothness = 1.0 - rough;
+    float grazing = min(smoothness * smoothness, exp2(-9.28 * cosine)) * smoothness + (0.0425 - 0.0275 * rough);
+    return vec2(1.04 - 0.572 * rough - 1.04 * grazing, 0.022 * rough - 0.04 + 1.04 * grazing);
+}
+
+// What a surface reflects at N.V that reflects `colour` along its normal, with lobes of that width²; both colours are
+// premultiplied by `opacity`.
+vec3 radtex_reflected(vec3 colour, float width, float cosine, float opacity) {
+    float rough = sqrt(sqrt(clamp(width / max(2.0 - 5.0 * width, 1e-6), 0.0, 1.0)));
+    vec2 here = radtex_environment(rough, clamp(cosine, 0.0, 1.0)), facing = radtex_environment(rough, 1.0);
+    vec3 facets = max(colour - opacity * facing.y, vec3(0.0, 0.0, 0.0)) / facing.x;
+    float glossy = min(50.0 * max(colour.r, max(colour.g, colour.b)), opacity);  // what reflects less is no surface
+    return facets * here.x + glossy * here.y;
+}
+#endif
+
 // What a lobe (weight, and log2 of its width²) shows; `own` is what the object shows of itself.
 vec3 radtex_mirrored(vec3 from, vec3 ray, vec4 met, vec4 own, vec4 lobe) {
     return lobe.rgb * mix(own.rgb, radtex_shown(from, ray, met, lobe.a), radtex_free(own.a, exp2(lobe.a)));
@@ -468,7 +493,12 @@ vec3 radtex_lit_of(int material, vec2 uv, vec3 position, vec3 face, vec3 V, Radt
     lobe.a += wider;
     mirrored += radtex_mirrored(from, ray, met, own, lobe);
 #endif
-    light += mirrored * look.tint;
+    vec3 tint = look.tint;
+#ifdef RADTEX_GLOSSES
+    vec4 gloss = radtex_gloss[material];
+    if (gloss.g > 0.0) tint = radtex_reflected(gloss.rgb * tint, exp2(gloss.a + wider), cosine, look.opacity);
+#endif
+    light += mirrored * tint;
 #endif
     vec3 rest = radtex_rest(radtex_rest_map, radtex_rest_range, radtex_rest_tile, float(RADTEX_REST_CELLS), uv, place);
     light += max(look.opacity * rest, -0.5 * light);

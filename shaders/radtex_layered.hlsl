@@ -12,6 +12,7 @@
 //
 // What the bake has. RADTEX_MIRRORS: any of its materials has lobes. RADTEX_TINT, RADTEX_NORMAL, RADTEX_WIDTH,
 // RADTEX_ALPHA, RADTEX_PLANE, RADTEX_THINGS (with distances): these layers. RADTEX_LAMPS: how many, 0 to 8.
+// RADTEX_GLOSSES: how much a material mirrors follows from its tint and its width.
 // RADTEX_OWN_CELLS, RADTEX_REST_CELLS: cells along the sides of buckets.
 //
 // What a lookup costs. RADTEX_STEPS (0, 1, 2; default 1): fetches of distances. RADTEX_OWN_TAPS, RADTEX_REST_TAPS (3,
@@ -22,7 +23,8 @@
 // levels, filtered linearly, too. v = 0 is the first row, or with RADTEX_TOP_DOWN the last one. A range is the share of
 // a texture's width and height that is no padding, and scale and offset: a value is texel * scale + offset, but for the
 // alpha of own, plane and things.
-// Uniforms are the same for all materials, but for radtex_material and radtex_lobes: draw one material at a time.
+// Uniforms are the same for all materials, but for radtex_material, radtex_lobes and radtex_gloss: draw one material
+// at a time.
 //
 // Where things are bound. RADTEX_SAMPLER: a linear, clamped SamplerState that is declared before; without, there is
 // radtex_filtering. RADTEX_TEXTURE(k), RADTEX_BUFFER(k): what follows the declaration of the k-th texture or buffer,
@@ -101,6 +103,7 @@ cbuffer RadtexBake RADTEX_BUFFER(0) {
 cbuffer RadtexMaterial RADTEX_BUFFER(1) {
     float4 radtex_material[16];  // by N.V: the falloff, and the sine by which lobes bend towards the normal
     float4 radtex_lobes[32];     // by N.V: weight, and log2 of the width²; the first lobe's, then the second one's
+    float4 radtex_gloss[1];      // its mean glossy colour and log2 of its mean width²: see radtex_reflected; 0 if tints say all
 };
 #endif
 
@@ -369,6 +372,26 @@ float radtex_free(float kept, float width) {
     return 0.5 + 0.5 * sharper * rsqrt(1.0 - side * side + sharper * sharper);
 }
 
+#ifdef RADTEX_GLOSSES
+// What of the light is reflected where facets' reflectance is F: F x + y, by roughness and N.V (Karis, "Physically Based
+// Shading on Mobile", 2014).
+float2 radtex_environment(float rough, float cosine) {
+    float smoothness = 1.0 - rough;
+    float grazing = min(smoothness * smoothness, exp2(-9.28 * cosine)) * smoothness + (0.0425 - 0.0275 * rough);
+    return float2(1.04 - 0.572 * rough - 1.04 * grazing, 0.022 * rough - 0.04 + 1.04 * grazing);
+}
+
+// What a surface reflects at N.V that reflects `colour` along its normal, with lobes of that width²; both colours are
+// premultiplied by `opacity`.
+float3 radtex_reflected(float3 colour, float width, float cosine, float opacity) {
+    float rough = sqrt(sqrt(clamp(width / max(2.0 - 5.0 * width, 1e-6), 0.0, 1.0)));
+    float2 here = radtex_environment(rough, clamp(cosine, 0.0, 1.0)), facing = radtex_environment(rough, 1.0);
+    float3 facets = max(colour - opacity * facing.y, float3(0.0, 0.0, 0.0)) / facing.x;
+    float glossy = min(50.0 * max(colour.r, max(colour.g, colour.b)), opacity);  // what reflects less is no surface
+    return facets * here.x + glossy * here.y;
+}
+#endif
+
 // What a lobe (weight, and log2 of its width²) shows; `own` is what the object shows of itself.
 float3 radtex_mirrored(float3 from, float3 ray, float4 met, float4 own, float4 lobe) {
     return lobe.rgb * lerp(own.rgb, radtex_shown(from, ray, met, lobe.a), radtex_free(own.a, exp2(lobe.a)));
@@ -453,7 +476,12 @@ float3 radtex_lit(float2 uv, float3 position, float3 face, float3 V, RadtexLook 
     lobe.a += wider;
     mirrored += radtex_mirrored(from, ray, met, own, lobe);
 #endif
-    light += mirrored * look.tint;
+    float3 tint = look.tint;
+#ifdef RADTEX_GLOSSES
+    float4 gloss = radtex_gloss[material];
+    if (gloss.g > 0.0) tint = radtex_reflected(gloss.rgb * tint, exp2(gloss.a + wider), cosine, look.opacity);
+#endif
+    light += mirrored * tint;
 #endif
     float3 rest = radtex_rest(radtex_rest_map, radtex_rest_range, radtex_rest_tile, float(RADTEX_REST_CELLS), uv,
         place);

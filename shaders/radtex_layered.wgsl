@@ -20,6 +20,7 @@ override RADTEX_MIRRORS: bool = false;  // any of the materials has lobes
 override RADTEX_TINT: bool = false;     // the bake has this layer; and so on
 override RADTEX_NORMAL: bool = false;
 override RADTEX_WIDTH: bool = false;
+override RADTEX_GLOSSES: bool = false;  // how much a material mirrors follows from its tint and its width
 override RADTEX_ALPHA: bool = false;
 override RADTEX_PLANE: bool = false;
 override RADTEX_THINGS: bool = false;   // and their distances
@@ -60,6 +61,7 @@ struct RadtexBake {
 struct RadtexMaterial {
     curves: array<vec4f, 16>,  // by N.V: the falloff, and the sine by which lobes bend towards the normal
     lobes: array<vec4f, 32>,   // by N.V: weight, and log2 of the width²; the first lobe's, then the second one's
+    gloss: array<vec4f, 1>,    // its mean glossy colour and log2 of its mean width²: see radtex_reflected; 0 if tints say all
 }
 
 @group(1) @binding(0) var<uniform> radtex: RadtexBake;
@@ -336,6 +338,25 @@ fn radtex_free(kept: f32, width: f32) -> f32 {
     return 0.5 + 0.5 * sharper * inverseSqrt(1.0 - side * side + sharper * sharper);
 }
 
+// What of the light is reflected where facets' reflectance is F: F x + y, by roughness and N.V (Karis, "Physically Based
+// Shading on Mobile", 2014).
+fn radtex_environment(rough: f32, cosine: f32) -> vec2f {
+    let smoothness = 1.0 - rough;
+    let grazing = min(smoothness * smoothness, exp2(-9.28 * cosine)) * smoothness + (0.0425 - 0.0275 * rough);
+    return vec2f(1.04 - 0.572 * rough - 1.04 * grazing, 0.022 * rough - 0.04 + 1.04 * grazing);
+}
+
+// What a surface reflects at N.V that reflects `colour` along its normal, with lobes of that width²; both colours are
+// premultiplied by `opacity`.
+fn radtex_reflected(colour: vec3f, width: f32, cosine: f32, opacity: f32) -> vec3f {
+    let rough = sqrt(sqrt(clamp(width / max(2.0 - 5.0 * width, 1e-6), 0.0, 1.0)));
+    let here = radtex_environment(rough, clamp(cosine, 0.0, 1.0));
+    let facing = radtex_environment(rough, 1.0);
+    let facets = max(colour - opacity * facing.y, vec3f(0.0, 0.0, 0.0)) / facing.x;
+    let glossy = min(50.0 * max(colour.r, max(colour.g, colour.b)), opacity);  // what reflects less is no surface
+    return facets * here.x + glossy * here.y;
+}
+
 // What a lobe (weight, and log2 of its width²) shows; `own` is what the object shows of itself.
 fn radtex_mirrored(whence: vec3f, ray: vec3f, met: vec4f, own: vec4f, lobe: vec4f) -> vec3f {
     return lobe.rgb * mix(own.rgb, radtex_shown(whence, ray, met, lobe.a), radtex_free(own.a, exp2(lobe.a)));
@@ -425,7 +446,12 @@ fn radtex_lit(uv: vec2f, position: vec3f, face: vec3f, V: vec3f, look: RadtexLoo
             lobe.a += wider;
             mirrored += radtex_mirrored(whence, ray, met, own, lobe);
         }
-        light += mirrored * look.tint;
+        var tint = look.tint;
+        if RADTEX_GLOSSES {
+            let gloss = radtex_of.gloss[material];
+            if gloss.g > 0.0 { tint = radtex_reflected(gloss.rgb * tint, exp2(gloss.a + wider), cosine, look.opacity); }
+        }
+        light += mirrored * tint;
     }
     let rest = radtex_rest(radtex_rest_map, radtex.rest_range, radtex.rest_tile, f32(RADTEX_REST_CELLS), uv, place);
     light += max(look.opacity * rest, -0.5 * light);

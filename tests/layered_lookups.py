@@ -29,6 +29,7 @@ from radtex_addon.forms.layered.files.sidecar import LayeredSidecar
 from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas, alpha_at, sample_layered
 from radtex_addon.forms.layered.lookup.environment import Around, Lamp
 from radtex_addon.forms.layered.lookup.images import Colour, ImageLook, look_of_images
+from radtex_addon.forms.layered.lookup.lobes import Gloss
 from radtex_addon.forms.layered.lookup.ways import Through
 from radtex_addon.forms.layered.shader_values import CLEAR_ALPHA, Stored
 from tests.layered.made_up import _buckets, _image, _waves, made_up_atlas, made_up_fragments
@@ -193,6 +194,10 @@ def everything(atlas: LayeredAtlas) -> LayeredAtlas:
         atlas,
         colour=atlas.colour * alpha,
         tint=_image(rng, fine, 3) * alpha,
+        materials=(
+            replace(atlas.materials[0], gloss=Gloss(np.array([0.3, 0.25, 0.1], np.float32), -5.0)),
+            *atlas.materials[1:],
+        ),
         normal=normalised(_image(rng, fine, 3) - 0.5).astype(np.float32),
         width=_image(rng, fine, 1) * 4 - 2,
         alpha=alpha,

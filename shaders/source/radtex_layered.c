@@ -3,6 +3,7 @@
 @for glsl hlsl wgsl godot
 @name wgsl radtex_material radtex_of.curves
 @name wgsl radtex_lobes radtex_of.lobes
+@name wgsl radtex_gloss radtex_of.gloss
 //
 @in glsl
 // Look up a radiance texture in the layered layout: GLSL 330 and later, GLSL ES 300 (WebGL 2) and later. Define what
@@ -45,6 +46,7 @@
 @else
 // What the bake has. RADTEX_MIRRORS: any of its materials has lobes. RADTEX_TINT, RADTEX_NORMAL, RADTEX_WIDTH,
 // RADTEX_ALPHA, RADTEX_PLANE, RADTEX_THINGS (with distances): these layers. RADTEX_LAMPS: how many, 0 to 8.
+// RADTEX_GLOSSES: how much a material mirrors follows from its tint and its width.
 @end
 @in glsl godot
 // RADTEX_IMAGES: the material is shown by its own images, in place of colour, tint and normal: call radtex_layered_images.
@@ -67,7 +69,8 @@
 // levels, filtered linearly, too. v = 0 is the first row, or with RADTEX_TOP_DOWN the last one. A range is the share of
 // a texture's width and height that is no padding, and scale and offset: a value is texel * scale + offset, but for the
 // alpha of own, plane and things.
-// Uniforms are the same for all materials, but for radtex_material and radtex_lobes: draw one material at a time.
+// Uniforms are the same for all materials, but for radtex_material, radtex_lobes and radtex_gloss: draw one material
+// at a time.
 //
 // Where things are bound. RADTEX_SAMPLER: a linear, clamped SamplerState that is declared before; without, there is
 // radtex_filtering. RADTEX_TEXTURE(k), RADTEX_BUFFER(k): what follows the declaration of the k-th texture or buffer,
@@ -80,8 +83,9 @@
 @in glsl godot
 // levels, filtered linearly, too. v = 0 is the first row. A range is the share of a texture's width and height that is
 // no padding, and scale and offset: a value is texel * scale + offset, but for the alpha of own, plane and things.
-// Uniforms are the same for all materials, but for radtex_material and radtex_lobes: draw one material at a time. Or define
-// RADTEX_MATERIALS, give those two the values of so many materials one behind the other, and call radtex_layered_of.
+// Uniforms are the same for all materials, but for radtex_material, radtex_lobes and radtex_gloss: draw one material
+// at a time. Or define RADTEX_MATERIALS, give those the values of so many materials one behind the other, and call
+// radtex_layered_of.
 @end
 @in glsl
 //
@@ -168,6 +172,9 @@ uniform vec4 radtex_alpha_range;
 #ifdef RADTEX_MIRRORS
 // By N.V: weight, and log2 of the width²; the first lobe's, then the second one's.
 uniform vec4 radtex_lobes[32 * RADTEX_MATERIALS];
+#ifdef RADTEX_GLOSSES
+uniform vec4 radtex_gloss[RADTEX_MATERIALS];  // its mean glossy colour and log2 of its mean width²: see radtex_reflected; 0 if tints say all
+#endif
 uniform sampler2D radtex_own_map;
 uniform vec4 radtex_own_range, radtex_own_tile;
 #ifdef RADTEX_WIDTH
@@ -255,6 +262,7 @@ cbuffer RadtexBake RADTEX_BUFFER(0) {
 cbuffer RadtexMaterial RADTEX_BUFFER(1) {
     float4 radtex_material[16];  // by N.V: the falloff, and the sine by which lobes bend towards the normal
     float4 radtex_lobes[32];     // by N.V: weight, and log2 of the width²; the first lobe's, then the second one's
+    float4 radtex_gloss[1];      // its mean glossy colour and log2 of its mean width²: see radtex_reflected; 0 if tints say all
 };
 #endif
 
@@ -274,6 +282,7 @@ override RADTEX_MIRRORS: bool = false;  // any of the materials has lobes
 override RADTEX_TINT: bool = false;     // the bake has this layer; and so on
 override RADTEX_NORMAL: bool = false;
 override RADTEX_WIDTH: bool = false;
+override RADTEX_GLOSSES: bool = false;  // how much a material mirrors follows from its tint and its width
 override RADTEX_ALPHA: bool = false;
 override RADTEX_PLANE: bool = false;
 override RADTEX_THINGS: bool = false;   // and their distances
@@ -314,6 +323,7 @@ struct RadtexBake {
 struct RadtexMaterial {
     curves: array<vec4f, 16>,  // by N.V: the falloff, and the sine by which lobes bend towards the normal
     lobes: array<vec4f, 32>,   // by N.V: weight, and log2 of the width²; the first lobe's, then the second one's
+    gloss: array<vec4f, 1>,    // its mean glossy colour and log2 of its mean width²: see radtex_reflected; 0 if tints say all
 }
 
 @group(1) @binding(0) var<uniform> radtex: RadtexBake;
@@ -635,6 +645,26 @@ float radtex_free(float kept, float width) {
     return 0.5 + 0.5 * sharper * inversesqrt(1.0 - side * side + sharper * sharper);
 }
 
+#ifdef RADTEX_GLOSSES
+// What of the light is reflected where facets' reflectance is F: F x + y, by roughness and N.V (Karis, "Physically Based
+// Shading on Mobile", 2014).
+vec2 radtex_environment(float rough, float cosine) {
+    float smoothness = 1.0 - rough;
+    float grazing = min(smoothness * smoothness, exp2(-9.28 * cosine)) * smoothness + (0.0425 - 0.0275 * rough);
+    return vec2(1.04 - 0.572 * rough - 1.04 * grazing, 0.022 * rough - 0.04 + 1.04 * grazing);
+}
+
+// What a surface reflects at N.V that reflects `colour` along its normal, with lobes of that width²; both colours are
+// premultiplied by `opacity`.
+vec3 radtex_reflected(vec3 colour, float width, float cosine, float opacity) {
+    float rough = sqrt(sqrt(clamp(width / max(2.0 - 5.0 * width, 1e-6), 0.0, 1.0)));
+    vec2 here = radtex_environment(rough, clamp(cosine, 0.0, 1.0)), facing = radtex_environment(rough, 1.0);
+    vec3 facets = max(colour - opacity * facing.y, vec3(0.0, 0.0, 0.0)) / facing.x;
+    float glossy = min(50.0 * max(colour.r, max(colour.g, colour.b)), opacity);  // what reflects less is no surface
+    return facets * here.x + glossy * here.y;
+}
+#endif
+
 // What a lobe (weight, and log2 of its width²) shows; `own` is what the object shows of itself.
 vec3 radtex_mirrored(vec3 from, vec3 ray, vec4 met, vec4 own, vec4 lobe) {
     return lobe.rgb * mix(own.rgb, radtex_shown(from, ray, met, lobe.a), radtex_free(own.a, exp2(lobe.a)));
@@ -755,7 +785,12 @@ vec3 radtex_lit(vec2 uv, vec3 position, vec3 face, vec3 V, RadtexLook look) {
     lobe.a += wider;
     mirrored += radtex_mirrored(from, ray, met, own, lobe);
 #endif
-    light += mirrored * look.tint;
+    vec3 tint = look.tint;
+#ifdef RADTEX_GLOSSES
+    vec4 gloss = radtex_gloss[material];
+    if (gloss.g > 0.0) tint = radtex_reflected(gloss.rgb * tint, exp2(gloss.a + wider), cosine, look.opacity);
+#endif
+    light += mirrored * tint;
 #endif
     vec3 rest = radtex_rest(radtex_rest_map, radtex_rest_range, radtex_rest_tile, float(RADTEX_REST_CELLS), uv, place);
     light += max(look.opacity * rest, -0.5 * light);

@@ -142,7 +142,7 @@ def test_the_curves_are_in_the_blend(plain: LayeredAtlas, tmp_path: Path) -> Non
     write_layered(path, plain, FACTS)
     image: Any = load_images(path)[0]["curves"]
     assert image.packed_file is not None
-    assert tuple(image.size) == (16, 8)
+    assert tuple(image.size) == (16, 12)
 
 
 SHOWN = ("everything", "parted ways", "made up", "things alone", "clear", "bare", "matt")

@@ -11,6 +11,7 @@ from radtex_addon.bake.pooling import Neighbours
 from radtex_addon.core.arrays import Bools, Floats, Ints
 from radtex_addon.forms.layered.fit.lobes import Paths
 from radtex_addon.forms.layered.fit.widths import Lobes, fit_lobes
+from radtex_addon.forms.layered.lookup.lobes import shown_at
 from tests.layered.test_layered import SIDE, flat_samples, spread_by_lobe
 
 _RAYS = flat_samples(16)
@@ -115,3 +116,74 @@ def test_texels_that_mirror_nothing_are_as_usual() -> None:
     lobes = _fitted(wide, told)
     assert lobes.evaluated.all()
     assert (lobes.width[:8] == 1).all()
+
+
+def _reflected(
+    rng: np.random.Generator, cosine: Floats, rough: Floats, facets: Floats
+) -> tuple[Floats, Floats]:
+    """Where a GGX surface sends paths from N.V (P,), (P, 3) about +z, and their weights (P,).
+
+    `facets` (P,): the reflectance of facets along their normals, by Schlick's curve. Visible normals are
+    sampled (Heitz, "Sampling the GGX Distribution of Visible Normals", 2018).
+    """
+    alpha, none = rough**2, np.zeros_like(cosine)
+    viewer = np.stack([np.sqrt(1 - cosine**2), none, cosine], axis=1)
+    stretched = viewer * np.stack([alpha, alpha, none + 1], axis=1)
+    stretched /= np.linalg.norm(stretched, axis=1, keepdims=True)
+    across = np.stack([none, none + 1, none], axis=1)
+    up = np.cross(stretched, across)
+    radius, angle = np.sqrt(rng.random(len(cosine))), rng.uniform(0, 2 * np.pi, len(cosine))
+    x, y, part = radius * np.cos(angle), radius * np.sin(angle), (1 + stretched[:, 2]) / 2
+    y = (1 - part) * np.sqrt(1 - x**2) + part * y
+    left = np.sqrt(np.maximum(1 - x**2 - y**2, 0))
+    facet = x[:, None] * across + y[:, None] * up + left[:, None] * stretched
+    facet *= np.stack([alpha, alpha, none + 1], axis=1)
+    facet /= np.linalg.norm(facet, axis=1, keepdims=True)
+    along = (viewer * facet).sum(axis=1)
+    end = 2 * along[:, None] * facet - viewer
+    hidden = [
+        (np.sqrt(1 + alpha**2 * (1 / np.maximum(way, 1e-4) ** 2 - 1)) - 1) / 2 for way in (cosine, end[:, 2])
+    ]
+    weight = (facets + (1 - facets) * (1 - along) ** 5) * (1 + hidden[0]) / (1 + hidden[0] + hidden[1])
+    return end, np.where(end[:, 2] > 0, weight, 0)
+
+
+def test_metal_and_paint_of_one_material_both_reflect_as_they_should_at_their_rims() -> None:
+    rng, each = np.random.default_rng(6), 200
+    rough, facets = np.where(_CHECKER, 0.25, 0.6), np.where(_CHECKER, 0.9, 0.04)
+    texel = np.arange(_TEXELS).repeat(each)
+    cosine = rng.uniform(0.05, 1, len(texel))
+    end, weight = _reflected(rng, cosine, rough[texel], facets[texel])
+    axis = np.stack([-np.sqrt(1 - cosine**2), 0 * cosine, cosine], axis=1)
+    normal = np.broadcast_to(np.array([0, 0, 1.0]), axis.shape)
+    light = np.repeat(weight[:, None], 3, axis=1)
+    paths = Paths(texel, light, end, axis, normal, cosine, _ONE[texel])
+    straight = np.ones(20_000)
+    glossy = np.array(
+        [
+            _reflected(rng, straight * 0.9999, straight * r, straight * f)[1].mean()
+            for r, f in ((0.25, 0.9), (0.6, 0.04))
+        ]
+    )
+    mean = np.full((1, 3), glossy.mean())
+    tint = np.where(_CHECKER, glossy[0], glossy[1])[:, None] / mean
+    evaluated = np.log2(2 * rough**4 / (1 + 5 * rough**4)).astype(np.float32)
+    lobes = fit_lobes(paths, _ONE, Neighbours(_RAYS.plan), False, evaluated, tint.astype(np.float32), mean)
+    (material,) = lobes.materials
+    assert material.gloss is not None
+    by_tint = fit_lobes(paths, _ONE, Neighbours(_RAYS.plan), False, evaluated, tint.astype(np.float32))
+    assert by_tint.materials[0].gloss is None
+    for facing in (0.15, 0.3, 0.6, 0.95):
+        at, one = np.full(2, facing), [int(np.flatnonzero(kind)[0]) for kind in (_CHECKER, ~_CHECKER)]
+        exact = [
+            _reflected(rng, straight * facing, straight * rough[i], straight * facets[i])[1].mean()
+            for i in one
+        ]
+        shown = [
+            found.materials[0].at(at)[0].sum(axis=0)[0]
+            * shown_at(found.materials, _ONE[:2], at, tint[one], found.width[one])[:, 0]
+            for found in (lobes, by_tint)
+        ]
+        np.testing.assert_allclose(shown[0], exact, rtol=0.25)
+        if facing < 0.5:  # the paint's rim, which the tint alone makes as dark as the paint itself
+            assert shown[1][1] < 0.6 * exact[1]

@@ -100,7 +100,7 @@ BAKE_BUFFER = {
     "radtex_lamp_place": MOST_LAMPS,
     "radtex_lamp_light": MOST_LAMPS,
 }
-MATERIAL_BUFFER = {"radtex_material": STEPS, "radtex_lobes": 2 * STEPS}
+MATERIAL_BUFFER = {"radtex_material": STEPS, "radtex_lobes": 2 * STEPS, "radtex_gloss": 1}
 THROUGH_BUFFER = {
     "radtex_exit_direction_range": 1,
     "radtex_exit_place_range": 1,
@@ -175,6 +175,8 @@ def definitions(sidecar: LayeredSidecar, cost: LookupCost = DEFAULT) -> dict[str
     if _mirrors(sidecar):
         found |= {"RADTEX_MIRRORS": 1, "RADTEX_OWN_CELLS": sidecar.own_cells}
         found |= {"RADTEX_OWN_TAPS": cost.own_taps, "RADTEX_SECOND_LOBE": int(cost.second_lobe)}
+    if sidecar.glosses:
+        found["RADTEX_GLOSSES"] = 1
     if sidecar.through is not None:
         found |= {"RADTEX_THROUGH": 1, "RADTEX_EXIT_TAPS": cost.exit_taps}
         found |= {"RADTEX_EXIT_CELLS": sidecar.through.exits, "RADTEX_THROUGH_CELLS": sidecar.through.rest}
@@ -228,6 +230,9 @@ def material_values(sidecar: LayeredSidecar, number: int, cost: LookupCost = DEF
         spread = np.log2(material.variance)[..., None]
         lobes = np.concatenate([material.weight, spread], axis=2) if cost.second_lobe else _merged(material)
         values["radtex_lobes"] = _rows(lobes.reshape(2 * STEPS, 4))
+    if sidecar.glosses:
+        gloss = material.gloss
+        values["radtex_gloss"] = [_row([0] * 4 if gloss is None else [*gloss.colour, gloss.width])]
     look = sidecar.every_look[number]
     if look is not None:
         values["radtex_images"] = _rows(np.array(look.rows))

@@ -23,7 +23,7 @@ const LAYERS = [
 ];
 // What may be defined in a shader of the layered layout, and from which whole number to which.
 const DEFINES = new Map<string, Range>([
-  ...["TINT", "NORMAL", "WIDTH", "ALPHA", "PLANE", "THINGS", "MIRRORS", "THROUGH", "SRGB"].map(
+  ...["TINT", "NORMAL", "WIDTH", "ALPHA", "PLANE", "THINGS", "MIRRORS", "GLOSSES", "THROUGH", "SRGB"].map(
     (name): [string, Range] => [`RADTEX_${name}`, [1, 1]],
   ),
   ...["OWN_CELLS", "REST_CELLS", "EXIT_CELLS", "THROUGH_CELLS"].map((name): [string, Range] => [`RADTEX_${name}`, [1, 64]]),
@@ -47,6 +47,7 @@ const OF_IMAGES = "radtex_images"; // of some materials alone
 const OF_MATERIAL = new Map([
   ["radtex_material", 16],
   ["radtex_lobes", 32],
+  ["radtex_gloss", 1],
   [OF_IMAGES, 3],
 ]);
 const MOST_PIXELS = 16384;

@@ -27,10 +27,10 @@ from ....cycles.sampling import straight_shifts, tiles_of
 from ....scene.nodes import NodeBuilder, Operand, Socket
 from ....scene.scratch import scene_copied
 from ....settings.spec import Kind
+from ..lookup.lobes import SATURATION
 from .own_rays import dark_world
 
 OCTAVES = 20.0  # of width²: what is narrower than 2^-20 is as good as a mirror
-_SATURATION = 5.0  # see `width_of`
 _BLENDS = frozenset({"MIX_SHADER", "ADD_SHADER", "GROUP", "GROUP_INPUT", "REROUTE"})
 _MIRRORS = frozenset({"BSDF_PRINCIPLED", "BSDF_GLOSSY", "BSDF_METALLIC", "BSDF_GLASS"})
 _UNKNOWN = frozenset(  # they mirror, or may do so, by no roughness of GGX's
@@ -47,7 +47,7 @@ def width_of(roughness: Floats) -> Floats:
     horizon makes wide ones narrower. Fitted to paths at N.V = 0.8, where it is right within 5 %.
     """
     squared = np.clip(roughness, 0, 1) ** 4
-    width: Floats = np.maximum(2 * squared / (1 + _SATURATION * squared), 2.0**-OCTAVES)
+    width: Floats = np.maximum(2 * squared / (1 + SATURATION * squared), 2.0**-OCTAVES)
     return width
 
 
@@ -176,7 +176,7 @@ def _coded_width(build: NodeBuilder, roughness: Operand) -> Socket:
     """`width_of` a roughness, as 1 + log2(width²) / OCTAVES."""
     held = build.node("ShaderNodeClamp", roughness).outputs[0]
     squared = build.math("POWER", held, 4.0)
-    cut = build.math("MULTIPLY_ADD", squared, _SATURATION, 1.0)
+    cut = build.math("MULTIPLY_ADD", squared, SATURATION, 1.0)
     width = build.math("DIVIDE", build.math("MULTIPLY", squared, 2.0), cut)
     octaves = build.math("LOGARITHM", build.math("MAXIMUM", width, 2.0**-OCTAVES), 2.0)
     return build.math("MULTIPLY_ADD", octaves, 1 / OCTAVES, 1.0)

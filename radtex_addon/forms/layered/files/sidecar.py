@@ -17,7 +17,7 @@ from ....formats.sidecar import Sidecar
 from ..lookup.atlas import LayeredAtlas
 from ..lookup.environment import Lamp, Pictures, Plane
 from ..lookup.images import Colour, ImageLook
-from ..lookup.lobes import LOBES, STEPS, Material
+from ..lookup.lobes import LOBES, STEPS, Gloss, Material
 from .arrangement import (
     ALPHA,
     CHANNELS,
@@ -165,6 +165,11 @@ class LayeredSidecar:
         """`looks`, one for each material."""
         return self.looks or (None,) * len(self.materials)
 
+    @property
+    def glosses(self) -> bool:
+        """Whether any material has a gloss."""
+        return any(material.gloss is not None for material in self.materials)
+
     def larger(self, texels: int, cells: int) -> LayeredSidecar:
         """Of a bake with `texels` times as many texels along a side, and `cells` times as many cells."""
         bake = self.bake
@@ -219,6 +224,7 @@ class LayeredSidecar:
                     for weight, variance in zip(material.weight, material.variance, strict=True)
                 ],
                 "bend": _row(material.bend),
+                **({} if material.gloss is None else {"gloss": _gloss_facts(material.gloss)}),
                 **({} if look is None else {"images": _look_facts(look)}),
             }
             for falloff, material, look in zip(self.falloff, self.materials, self.every_look, strict=True)
@@ -330,7 +336,15 @@ def _material(facts: Facts) -> Material:
     variance = _floats([lobe.numbers("variance", STEPS) for lobe in lobes])
     if variance.min() <= 0:
         raise FormatError(f"{facts.source} has a lobe whose variance is not above 0")
-    return Material(weight, variance, _floats(facts.numbers("bend", STEPS)))
+    gloss = None
+    if "gloss" in facts.values:
+        told = facts.inner("gloss")
+        gloss = Gloss(_floats(told.numbers("colour", 3)), told.number("width"))
+    return Material(weight, variance, _floats(facts.numbers("bend", STEPS)), gloss)
+
+
+def _gloss_facts(gloss: Gloss) -> dict[str, Any]:
+    return {"colour": _row(gloss.colour), "width": _short(gloss.width)}
 
 
 def _look_facts(look: ImageLook) -> dict[str, Any]:

@@ -21,6 +21,7 @@ from ....core.arrays import Bools, Floats
 from ....core.colour_spaces import LUMINANCE
 from ..cells import CELLS
 from ..lookup.atlas import lobes_light
+from ..lookup.lobes import shown_at
 from ..samples import OwnRays
 from .bucket_grid import Block, BucketGrid
 from .known import Known
@@ -169,11 +170,14 @@ class _Fit:
             some = block.texels
             axis, cosine = mirrored_about(surface.plan, square, surface.normal, some)
             place = self.place.keep(some, octahedral(axis))
+            material, width = surface.material[some].repeat(each), surface.width[some].repeat(each)
+            tint = _for_each(surface.tint[some], each).T
+            tint = shown_at(surface.materials, material, cosine.ravel(), tint, width)
             lobes = list(
                 lobes_light(
                     surface.around, surface.materials, _for_each(offset[some], each).T,
                     axis.reshape(3, -1).T, _for_each(surface.normal[some], each).T, cosine.ravel(),
-                    surface.material[some].repeat(each), surface.width[some].repeat(each),
+                    material, width,
                 )
             )  # fmt: skip
             for model, kept in zip(models, shown, strict=True):
@@ -183,7 +187,7 @@ class _Fit:
                     lobe.add_to(direct, share, free, model.cells)
                 if self.own is not None:
                     direct += share * grid.gather(model.own, place, some).reshape(3, -1)
-                kept[:, some] = halved(direct.reshape(3, -1, each) * surface.tint[some].T[..., None])
+                kept[:, some] = halved((direct * tint.T).reshape(3, -1, each))
 
         grid.in_blocks(look, each)
         return shown

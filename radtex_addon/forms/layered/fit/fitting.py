@@ -30,7 +30,7 @@ from .diffuse import facing_of, fit_falloffs, fit_irradiance
 from .known import Known
 from .lobes import Paths
 from .own_light import Surface
-from .texel_maps import shading_normals, tints
+from .texel_maps import mean_colours, shading_normals, tints
 from .through import fit_through_rest, fit_ways
 from .turned import mirrored_about, octahedral
 from .view_dependence import view_dependence
@@ -66,7 +66,8 @@ def fit_layered(
         alone = free if own.misled is None else free_share(own.rays, own.meets, grid, CELLS[0][0])
         paths = _open_paths(capture, capture.alone, normal, alone, grid)
         vary = parts.widths and normal_map is None  # normals that vary in a texel would count as roughness
-        lobes = fit_lobes(paths, capture.material, neighbours, vary, _evaluated(capture, parts))
+        glossy = mean_colours(capture.material, capture.coarse["glossy"], plan) if parts.tint else None
+        lobes = fit_lobes(paths, capture.material, neighbours, vary, _evaluated(capture, parts), tint, glossy)
         width_map = lobes.image(plan, capture.fine)
         del paths
     else:

@@ -10,7 +10,7 @@ t distribution", 1989). What is called variance is a lobe's width² (see `lobe`)
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -26,6 +26,9 @@ _AT_LEAST = 200
 _OVERLAP = 0.75  # steps around a step's middle whose paths count
 SHARPEST = 0.003  # radians: no lobe is narrower
 _WIDEST = 1.0
+_LEAST_SHOWN = 1e-3
+_FACING = 13  # the first step of N.V where a surface reflects about as much as along its normal
+_MOST_MET = 1.25  # times as much light, at most, as those paths tell that leave the object
 END = 0.5  # length of a direction: where paths differ too much it is shorter
 
 
@@ -35,7 +38,8 @@ class Paths:
 
     `texel` (P,): of the plan; `weight` (P, 3): how much they bring of white light; `end` (P, 3): where they
     go; `axis` (P, 3), the mirror direction, and `normal` (P, 3), all in world space; `cosine` (P,): N.V;
-    `material` (P,); `width` (P,): what their material's width² is multiplied by, 1 if None.
+    `material` (P,); `width` (P,): what their material's width² is multiplied by, 1 if None; `shown`
+    (P, 3): what its weights are multiplied by, 1 if None.
     """
 
     texel: Ints
@@ -46,6 +50,7 @@ class Paths:
     cosine: Floats
     material: Ints
     width: Floats | None = None
+    shown: Floats | None = None
 
     def some(self, which: Ints) -> Paths:
         """Those paths, by their numbers."""
@@ -71,6 +76,8 @@ def _fit_material(paths: Paths, own: Bools) -> Material:
         if len(near) > _AT_MOST:
             near = np.random.default_rng(step).choice(near, _AT_MOST, replace=False)
         mean = paths.weight[near].mean(axis=0)
+        if paths.shown is not None:
+            mean /= np.maximum(paths.shown[near].mean(axis=0), _LEAST_SHOWN)
         share, variance[:, step], bend[step] = _two_lobes(paths, near)
         weight[:, step] = share[:, None] * mean
         return True
@@ -110,6 +117,29 @@ def _two_lobes(paths: Paths, near: Ints) -> tuple[Floats, Floats, float]:
             bend = float((pull * up).sum() / max(pull.sum(), 1e-30))
     order = np.argsort(variance)
     return share[order], variance[order], bend
+
+
+def unexplained(paths: Paths, shown: Floats) -> float:
+    """What is left of the paths' weights, squared, with so many (P, 3) times a table by N.V as told best."""
+    weight, shown = paths.weight @ LUMINANCE, shown @ LUMINANCE
+    step = np.clip((paths.cosine * STEPS).astype(np.intp), 0, STEPS - 1)
+
+    def means(values: Floats) -> Floats:
+        return np.bincount(step, values, STEPS) / np.maximum(np.bincount(step, minlength=STEPS), 1)
+
+    told = (means(weight * shown) / np.maximum(means(shown**2), 1e-12))[step] * shown
+    return float((means((weight - told) ** 2) / np.maximum(means(weight**2), 1e-12)).sum())
+
+
+def as_bright_facing(material: Material) -> Material:
+    """The material with as much light along its normal as its glossy colour says.
+
+    Some paths that are taken to leave the object straight away meet it, and bring nothing.
+    """
+    facing = float((material.weight[:, _FACING:].sum(axis=0) @ LUMINANCE).mean())
+    return replace(
+        material, weight=material.weight * np.float32(np.clip(1 / max(facing, 1e-9), 1, _MOST_MET))
+    )
 
 
 def likelihood(material: Material, paths: Paths) -> float:

@@ -21,7 +21,7 @@ from ....bake.plan import CapturePlan
 from ....core.arrays import Bools, Floats, Ints
 from ..lookup.atlas import mirrored_light
 from ..lookup.environment import Around
-from ..lookup.lobes import Material, falloff_at
+from ..lookup.lobes import Material, falloff_at, shown_at
 from ..lookup.ray_ends import lamp_light, light_of
 from ..samples import OwnRays
 from .bucket_grid import Block, BucketGrid
@@ -178,7 +178,9 @@ class _Met:
             cosine, surface.material[met], surface.width[met], free, surface.cells,
         )  # fmt: skip
         diffuse = surface.diffuse[met] * falloff_at(surface.falloff, surface.material[met], cosine)
-        tint = surface.tint[met].T
+        tint = shown_at(
+            surface.materials, surface.material[met], cosine, surface.tint[met], surface.width[met]
+        ).T
         return faces, diffuse.T + shown * tint, share * tint
 
     def _apart(self, some: slice, rays: slice, axis: Floats) -> Floats:

@@ -18,8 +18,8 @@ from ....bake.pooling import Neighbours
 from ....core.arrays import Bools, Floats, Ints
 from ....core.colour_spaces import LUMINANCE
 from ....core.sampler import bilinear
-from ..lookup.lobes import STEPS, Material
-from .lobes import END, SHARPEST, Paths, angles, fit_materials, likelihood
+from ..lookup.lobes import STEPS, Gloss, Material, reflectance
+from .lobes import END, SHARPEST, Paths, angles, as_bright_facing, fit_materials, likelihood, unexplained
 
 _VARIES = 0.15  # standard deviation of the widths' logarithm, from which they are kept
 _WIDE = 0.02  # how much the wider neighbourhood counts for
@@ -67,11 +67,15 @@ def fit_lobes(
     neighbours: Neighbours,
     vary: bool = True,
     evaluated: Floats | None = None,
+    tint: Floats | None = None,
+    glossy: Floats | None = None,
 ) -> Lobes:
     """The lobes of all materials; `material` (K,) are the texels' numbers.
 
     `evaluated` (K,): log2 of the width² that follows from roughness, NaN where it is not known. Widths are
-    not fitted unless they may `vary`, and all 1 where they hardly differ.
+    not fitted unless they may `vary`, and all 1 where they hardly differ. `tint` (K, 3): what lobes are
+    multiplied by, 1 if None; `glossy` (M, 3): the materials' mean glossy colours, if these are known. Where
+    weights follow better from both and from roughness than from the tint alone, materials have a `gloss`.
     """
     count = int(material.max()) + 1
     width = _fitted(paths, neighbours, vary)
@@ -90,7 +94,36 @@ def fit_lobes(
                 width[own] = 2 ** relative[own]
     if np.ptp(width) > 0:
         paths = replace(paths, width=width[paths.texel])
-    return Lobes(fit_materials(paths, count), width, taken, usual)
+    glosses: list[Gloss | None] = [None] * count
+    if tint is not None:
+        shown = tint[paths.texel].astype(np.float32)
+        if glossy is not None and evaluated is not None:
+            known = [number for number in range(count) if np.isfinite(evaluated[material == number]).any()]
+            for number in known:
+                gloss = Gloss(glossy[number], float(usual[number]))
+                glosses[number] = _take_gloss(paths, number, shown, width, gloss)
+        paths = replace(paths, shown=shown)
+    fitted = zip(fit_materials(paths, count), glosses, strict=True)
+    materials = (
+        one if gloss is None else replace(as_bright_facing(one), gloss=gloss) for one, gloss in fitted
+    )
+    return Lobes(tuple(materials), width, taken, usual)
+
+
+def _take_gloss(paths: Paths, number: int, shown: Floats, width: Floats, gloss: Gloss) -> Gloss | None:
+    """Replace tints by reflectances in what is `shown` (P, 3) of a material, if these tell more of its paths.
+
+    Returns the gloss, or None where tints tell as much. `width` (K,) is that of `Lobes`.
+    """
+    own = np.flatnonzero(paths.material == number)
+    texel = paths.texel[own]
+    wide = (width[texel] * 2**gloss.width).astype(np.float32)
+    reflected = reflectance(shown[own] * gloss.colour, wide, paths.cosine[own])
+    some = paths.some(own)
+    if unexplained(some, reflected) >= unexplained(some, shown[own]):
+        return None
+    shown[own] = reflected
+    return gloss
 
 
 def _relative(evaluated: Floats, usual: Floats) -> Floats:

@@ -18,7 +18,7 @@ from ....core.octahedron import direction_to_octahedron
 from ....core.sampler import bilinear, bilinear_texels
 from .environment import Around
 from .images import ImageLook, Look
-from .lobes import Material, bent, falloff_at, lifted, seen_free
+from .lobes import Material, bent, falloff_at, lifted, seen_free, shown_at
 from .ways import Through, look_through
 
 _STEEP = 0.3  # cosine between the mesh's normal and a shading normal, below which that is not used
@@ -91,7 +91,7 @@ def sample_layered(atlas: LayeredAtlas, at: Fragments, look: Look | None = None)
     )  # fmt: skip
     mirrored = direct + share * own[:3]
     alpha = alpha_at(atlas, at.uv)
-    mirrored *= look.tint.T
+    mirrored *= shown_at(atlas.materials, at.material, cosine, look.tint, width, alpha).T
     rest = alpha * look_up(atlas.rest, at.uv, axis)
     light = light + mirrored.T
     light = np.maximum(light + rest.T, _LEAST_LEFT * light)

@@ -2,6 +2,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A material's lobes and falloffs by N.V, as they are looked up; and what a lobe sees past the object.
 
+How much lobes mirror is a table by N.V. Where a material's glossy colour and roughness vary, it tells what is
+missing of `reflectance`, which both tell of: a table times the colour alone would make rough paint as bright
+at its rim as polished metal beside it.
+
 Kept is a picture of what the object leaves free, blurred by its cells and by buckets that are pooled. A sharp
 lobe needs a sharper edge: where the edge is straight, blurring a half-space by a lobe of another width
 changes F(d / s) into F(d / t), where F(x) = 1/2 + x / (2 sqrt(2 + x²)).
@@ -9,6 +13,7 @@ changes F(d / s) into F(d / t), where F(x) = 1/2 + x / (2 sqrt(2 + x²)).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import cast
 
@@ -18,7 +23,9 @@ from ....core.arrays import Floats, Ints
 
 _KEPT = 5.0  # the blur of the kept mask, pooled over buckets, times its cells along a side, radians
 _EDGE = 0.04  # the sharpest edge that is shown, radians: cells do not tell where it is any better
+SATURATION = 5.0  # of the width² of rough surfaces: see `capture.gloss_maps.width_of`
 _LEAST_WEIGHT = 1e-9
+SHADOWED = 50.0  # one over the least glossy colour of what is no shadow
 LOWEST = 0.01  # the sine above the surface of the lowest mirror direction, as in Cycles
 LOBES = 2
 STEPS = 16  # of N.V
@@ -35,15 +42,29 @@ def falloff_at(falloff: Floats, material: Ints, cosine: Floats) -> Floats:
 
 
 @dataclass(frozen=True, eq=False)
+class Gloss:
+    """What the tints and widths of a material's places are relative to.
+
+    `colour` (3,): the mean glossy colour along the normal, linear; `width`: log2 of the width² where lobes
+    are as wide as the material's.
+    """
+
+    colour: Floats
+    width: float
+
+
+@dataclass(frozen=True, eq=False)
 class Material:
     """One material's lobes at N.V = (k + 0.5) / STEPS: `weight` (LOBES, STEPS, 3), `variance` (LOBES, STEPS).
 
-    `bend` (STEPS,): by how much their axis leaves the mirror direction for the normal, radians.
+    `bend` (STEPS,): by how much their axis leaves the mirror direction for the normal, radians. Weights are
+    multiplied by the tint of a place, or with `gloss` by the `reflectance` that follows from it.
     """
 
     weight: Floats
     variance: Floats
     bend: Floats
+    gloss: Gloss | None = None
 
     def at(self, cosine: Floats) -> tuple[Floats, Floats, Floats]:
         """Weights (LOBES, 3, N), variances (LOBES, N) and bends (N,) at N.V (N,)."""
@@ -62,6 +83,55 @@ class Material:
         weight, variance, _ = self.at(cosine)
         bright = weight.sum(axis=1) + _LEAST_WEIGHT
         return cast(Floats, (bright * variance).sum(axis=0) / bright.sum(axis=0))
+
+
+def reflectance(colour: Floats, width: Floats, cosine: Floats, alpha: Floats | float = 1.0) -> Floats:
+    """What a glossy surface reflects of white surroundings at N.V (N,): (N, 3) float32.
+
+    `colour` (N, 3): what it reflects along its normal; `width` (N,): its lobe's width², of which its
+    roughness follows. The colour is premultiplied by `alpha` (N,), and so is what is returned: F A + B, with
+    A and B by N.V and roughness (Karis, "Physically Based Shading on Mobile", 2014, after Lazarov, "Getting
+    More Physical in Call of Duty: Black Ops II", 2013), and the reflectance F of facets that makes it
+    `colour` at N.V = 1.
+    """
+    squared = width / np.maximum(2 - SATURATION * width, _LEAST_WEIGHT)
+    rough = np.minimum(squared, 1) ** 0.25
+    scale, offset = _environment(rough, np.clip(cosine, 0, 1))
+    facing, bare = _environment(rough, 1.0)
+    white = np.broadcast_to(np.asarray(alpha, dtype=np.float32), rough.shape)
+    facets = np.maximum(colour - (white * bare)[:, None], 0) / facing[:, None]
+    glossy = np.minimum(SHADOWED * colour.max(axis=1), white)  # facets of less are no surface, but shadow
+    return cast(Floats, (facets * scale[:, None] + (glossy * offset)[:, None]).astype(np.float32))
+
+
+def _environment(rough: Floats, cosine: Floats | float) -> tuple[Floats, Floats]:
+    """Karis's factor A and addend B, (N,) both."""
+    smooth, left = 1 - rough, 0.0425 - 0.0275 * rough
+    grazing = np.minimum(smooth * smooth, np.exp2(-9.28 * cosine)) * smooth + left
+    return 1.04 - 0.572 * rough - 1.04 * grazing, 0.022 * rough - 0.04 + 1.04 * grazing
+
+
+def shown_at(
+    materials: Sequence[Material],
+    material: Ints,
+    cosine: Floats,
+    tint: Floats,
+    width: Floats,
+    alpha: Floats | float = 1.0,
+) -> Floats:
+    """What lobes of materials (N,) are multiplied by at N.V (N,): (N, 3) float32.
+
+    `tint` (N, 3), premultiplied by `alpha` (N,), and `width` (N,), what lobes' width² is multiplied by there.
+    """
+    shown = np.array(tint, dtype=np.float32)
+    for number, one in enumerate(materials):
+        some = np.flatnonzero(material == number) if one.gloss is not None else ()
+        if one.gloss is not None and len(some):
+            colour = tint[some] * one.gloss.colour
+            wide = (width[some] * np.float32(2**one.gloss.width)).astype(np.float32)
+            white = alpha[some] if isinstance(alpha, np.ndarray) else alpha
+            shown[some] = reflectance(colour, wide, cosine[some], white)
+    return shown
 
 
 def lobe(squared: Floats, variance: Floats) -> Floats:

@@ -14,11 +14,20 @@ import bpy
 
 from ....core.errors import InputError
 from ....preview.taps import in_working_space, octahedron_group, readable_size
-from ....scene.nodes import NodeBuilder, Socket, close_group, open_group
+from ....scene.nodes import NodeBuilder, Operand, Socket, close_group, open_group
 from ..files.arrangement import ALPHA, COLOUR, IRRADIANCE, NORMAL, OF_IMAGES, OWN, REST, TINT, WIDTH
 from ..files.sidecar import LayeredSidecar
 from ..lookup.lobes import LOWEST
-from .images import buckets_group, constant, curve_group, curves_at, map_group, ordered
+from .images import (
+    buckets_group,
+    constant,
+    curve_group,
+    curves_at,
+    map_group,
+    ordered,
+    reflected_at,
+    reflected_group,
+)
 from .surroundings import around_group
 from .through import through_group
 
@@ -78,15 +87,17 @@ def build_layered_group(
         there = _later(build, uv, (light,))
         alpha = build.separate(build.group(map_group("Alpha", images[ALPHA]), there)[0])[0]
         light = build.vector("SCALE", light, alpha) if of_images else light
+    factor: Operand = 1.0
     if WIDTH in images:
         there = _later(build, uv, (light,))
         wider = build.separate(build.group(map_group("Width", images[WIDTH]), there)[0])[0]
         factor = build.math("POWER", 2.0, wider)
         widths = (build.math("MULTIPLY", widths[0], factor), build.math("MULTIPLY", widths[1], factor))
+    reflected = reflected_at(build, curves, cosine, material, factor) if facts.glosses else None
     shown, rest = build.group(
         mirrored, _later(build, uv, (light, *widths)), offset, shading, axis, first, second, bend, *widths
     )
-    shown = look.tinted(shown, rest, alpha)
+    shown = look.tinted(shown, rest, alpha, reflected)
     if alpha is not None:
         rest = build.vector("SCALE", rest, alpha)
     light = build.vector("ADD", light, shown)
@@ -131,15 +142,26 @@ class _Look:
         there = _later(self.build, self.uv, known)
         return self.build.group(map_group("Colour", self.images[COLOUR]), there)[0]
 
-    def tinted(self, shown: Socket, rest: Socket, alpha: Socket | None) -> Socket:
-        """What lobes have `shown` times their tint, looked up after both, and alpha."""
+    def tinted(
+        self, shown: Socket, rest: Socket, alpha: Socket | None, reflected: tuple[Socket, ...] | None
+    ) -> Socket:
+        """What lobes have `shown` times their tint, looked up after both, and alpha.
+
+        `reflected`: what `images.reflected_at` returns, if any material has a gloss.
+        """
+        build, white = self.build, 1.0 if alpha is None or self.given else alpha
+        tint: Operand = (1.0, 1.0, 1.0)
         if self.given:
-            shown = self.build.vector("MULTIPLY", shown, self.given[1])
+            tint = self.given[1]
         elif TINT in self.images:
-            there = _later(self.build, self.uv, (shown, rest))
-            (tint,) = self.build.group(map_group("Tint", self.images[TINT]), there)
-            return self.build.vector("MULTIPLY", shown, tint)
-        return shown if alpha is None else self.build.vector("SCALE", shown, alpha)
+            there = _later(build, self.uv, (shown, rest))
+            (tint,) = build.group(map_group("Tint", self.images[TINT]), there)
+        elif alpha is not None:
+            tint = build.combine(alpha, alpha, alpha)
+        if reflected is not None:
+            (tint,) = build.group(reflected_group(), tint, white, *reflected)
+        shown = build.vector("MULTIPLY", shown, tint)
+        return build.vector("SCALE", shown, alpha) if alpha is not None and self.given else shown
 
 
 def _later(build: NodeBuilder, uv: Socket, known: Iterable[Socket]) -> Socket:

@@ -16,9 +16,9 @@ from ....core.arrays import Floats
 from ....preview.taps import after, bilinear, clamp, pair, pixel_centre, readable_size
 from ....scene.nodes import NodeBuilder, Operand, Socket, close_group, open_group
 from ..files.sidecar import LayeredSidecar
-from ..lookup.lobes import STEPS
+from ..lookup.lobes import SATURATION, SHADOWED, STEPS, Gloss
 
-ROWS = 4  # of each material: the falloff, both lobes' weights, and the bend with both widths' logarithms
+ROWS = 6  # of each material: falloff, both lobes' weights, the bend with both widths' logarithms, and gloss
 
 
 def constant(values: Floats) -> tuple[float, float, float]:
@@ -96,7 +96,9 @@ def curves_of(facts: LayeredSidecar) -> Floats:
     rows = []
     for falloff, material in zip(facts.falloff, facts.materials, strict=True):
         numbers = np.stack([material.bend, *np.log(material.variance)], axis=1)
-        rows += [falloff, *material.weight, numbers]
+        gloss = material.gloss or Gloss(np.zeros(3), 0.0)  # of a colour of 0: there is none
+        told = np.broadcast_to([gloss.colour, [gloss.width, 0, 0]], (STEPS, 2, 3)).swapaxes(0, 1)
+        rows += [falloff, *material.weight, numbers, *told]
     return np.stack(rows).astype(np.float32)
 
 
@@ -117,12 +119,57 @@ def curve_group(image: bpy.types.Image, materials: int) -> bpy.types.ShaderNodeT
     return close_group(build, Color=build.mix(build.math("SUBTRACT", place, low), first, second))
 
 
+def reflected_at(
+    build: NodeBuilder, group: bpy.types.ShaderNodeTree, cosine: Socket, material: Socket, wider: Operand
+) -> tuple[Socket, Socket, Socket]:
+    """N.V, the material's glossy colour, 0 without gloss, and the width² of lobes so much `wider`."""
+    colour, width = (build.group(group, cosine, float(row), material)[0] for row in (ROWS - 2, ROWS - 1))
+    usual = build.math("POWER", 2.0, build.separate(width)[0])
+    return cosine, colour, build.math("MULTIPLY", usual, wider)
+
+
+def reflected_group() -> bpy.types.ShaderNodeTree:
+    """What lobes are multiplied by, as `lookup.lobes.shown_at`: Color, the Tint if Glossy is 0."""
+    build, (tint, alpha, cosine, glossy, width) = open_group(
+        "RadTex Reflected", Tint="Vector", Alpha="Float", Cosine="Float", Glossy="Vector", Width="Float"
+    )
+    colour = build.vector("MULTIPLY", tint, glossy)
+    cut = build.math("MAXIMUM", build.math("MULTIPLY_ADD", width, -SATURATION, 2.0), 1e-6)
+    squared = build.math("MINIMUM", build.math("DIVIDE", width, cut), 1.0)
+    rough = build.math("SQRT", build.math("SQRT", squared), label="roughness")
+    scale, offset = _environment(build, rough, build.math("MINIMUM", cosine, 1.0))
+    facing, bare = _environment(build, rough, 1.0)
+    least = build.math("MULTIPLY", alpha, bare)
+    facets = build.vector("SUBTRACT", colour, build.combine(least, least, least))
+    facets = build.vector("MAXIMUM", facets, (0.0, 0.0, 0.0))
+    most = build.math("MAXIMUM", *build.separate(colour)[:2])
+    most = build.math("MAXIMUM", most, build.separate(colour)[2])
+    white = build.math("MINIMUM", build.math("MULTIPLY", most, SHADOWED), alpha)
+    white = build.math("MULTIPLY", white, offset)
+    scaled = build.vector("SCALE", facets, build.math("DIVIDE", scale, facing))
+    shown = build.vector("ADD", scaled, build.combine(white, white, white))
+    given = build.math("GREATER_THAN", build.separate(glossy)[1], 0.0)
+    return close_group(build, Color=build.mix(given, tint, shown))
+
+
+def _environment(build: NodeBuilder, rough: Socket, cosine: Operand) -> tuple[Socket, Socket]:
+    """Karis's factor and addend, as `lookup.lobes.reflectance` has them."""
+    smoothness = build.math("SUBTRACT", 1.0, rough)
+    dark = build.math("POWER", 2.0, build.math("MULTIPLY", cosine, -9.28))
+    grazing = build.math("MINIMUM", build.math("MULTIPLY", smoothness, smoothness), dark)
+    left = build.math("MULTIPLY_ADD", rough, -0.0275, 0.0425)
+    grazing = build.math("MULTIPLY_ADD", grazing, smoothness, left)
+    scale = build.math("MULTIPLY_ADD", grazing, -1.04, build.math("MULTIPLY_ADD", rough, -0.572, 1.04))
+    offset = build.math("MULTIPLY_ADD", grazing, 1.04, build.math("MULTIPLY_ADD", rough, 0.022, -0.04))
+    return scale, offset
+
+
 def curves_at(
     build: NodeBuilder, group: bpy.types.ShaderNodeTree, cosine: Socket, material: Socket
 ) -> tuple[Socket, Socket, Socket, Socket, tuple[Socket, Socket]]:
     """The falloff, both lobes' weights, the bend, and both widths²."""
     falloff, first, second, numbers = (
-        build.group(group, cosine, float(row), material)[0] for row in range(ROWS)
+        build.group(group, cosine, float(row), material)[0] for row in range(ROWS - 2)
     )
     bend, *logarithms = build.separate(numbers)
     narrow, wide = (build.math("EXPONENT", one) for one in logarithms)

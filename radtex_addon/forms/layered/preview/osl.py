@@ -65,7 +65,12 @@ def constants_of(sidecar: LayeredSidecar) -> str:
     values |= {f"radtex_{name}": list(size) for name, size in sizes.items()}
     for name, value in values.items():
         lines.append(f"#define {name.upper()} {_braces(value)}")
-    for name, counted in (("MATERIAL", "material"), ("LOBES", "lobes"), ("LAMPS", "lamp_place")):
+    for name, counted in (
+        ("MATERIAL", "material"),
+        ("LOBES", "lobes"),
+        ("GLOSS", "gloss"),
+        ("LAMPS", "lamp_place"),
+    ):
         if f"radtex_{counted}" in values:
             lines.append(f"#define RADTEX_{name}_COUNT {np.size(values[f'radtex_{counted}'])}")
     return "\n".join(lines)

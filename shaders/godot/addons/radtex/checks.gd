@@ -20,7 +20,7 @@ const LAYERS := ["colour", "irradiance", "tint", "normal", "width", "alpha", "ow
 ## What may be defined in a shader of the layered layout, and from which whole number to which.
 const DEFINES := {
 	"RADTEX_TINT": [1, 1], "RADTEX_NORMAL": [1, 1], "RADTEX_WIDTH": [1, 1], "RADTEX_ALPHA": [1, 1],
-	"RADTEX_PLANE": [1, 1], "RADTEX_THINGS": [1, 1], "RADTEX_MIRRORS": [1, 1], "RADTEX_THROUGH": [1, 1],
+	"RADTEX_PLANE": [1, 1], "RADTEX_THINGS": [1, 1], "RADTEX_MIRRORS": [1, 1], "RADTEX_GLOSSES": [1, 1], "RADTEX_THROUGH": [1, 1],
 	"RADTEX_SRGB": [1, 1], "RADTEX_LAMPS": [0, 8], "RADTEX_STEPS": [0, 2], "RADTEX_SECOND_LOBE": [0, 1],
 	"RADTEX_OWN_TAPS": [3, 4], "RADTEX_REST_TAPS": [3, 4], "RADTEX_EXIT_TAPS": [4, 16],
 	"RADTEX_OWN_CELLS": [1, 64], "RADTEX_REST_CELLS": [1, 64], "RADTEX_EXIT_CELLS": [1, 64], "RADTEX_THROUGH_CELLS": [1, 64],
@@ -31,7 +31,7 @@ const VECTORS := ["radtex_middle", "radtex_own_tile", "radtex_rest_tile", "radte
 	"radtex_plane_eye"]
 const LAMPS := ["radtex_lamp_place", "radtex_lamp_light"]  ## Of as many vectors as there are lamps.
 const OF_IMAGES := "radtex_images"  ## Of materials that are shown by their own images.
-const OF_MATERIAL := {"radtex_material": 16, "radtex_lobes": 32, OF_IMAGES: 3}
+const OF_MATERIAL := {"radtex_material": 16, "radtex_lobes": 32, "radtex_gloss": 1, OF_IMAGES: 3}
 const MOST_PIXELS := 16384
 const MOST_LAYERS := 2048
 const MOST_TEXELS := 1 << 24
