@@ -288,6 +288,9 @@ def test_an_export_has_the_images_once_and_light_alone(baked: Path, tmp_path: Pa
         assert listed["name"] not in bpy.data.images  # what was loaded is gone
     (material,) = document["materials"]
     assert problems(extension_in(material)) == []
+    readme = (made.folder / "README.txt").read_text()
+    assert "TEXCOORD_1 the baked UV layer" in readme
+    assert "also inside the mesh's file" not in readme
     assert "KHR_materials_unlit" not in document["extensionsUsed"]
     assert {"baseColorTexture", "metallicRoughnessTexture"} <= set(material["pbrMetallicRoughness"])
     assert material["normalTexture"]["scale"] == 1
@@ -381,6 +384,7 @@ def test_engines_have_images_as_files(target: Target, mixed: Path, tmp_path: Pat
     readme = (folders[target] / "README.txt").read_text()
     assert f"{NAME}.image.Painted_normal.png: normal map, y up" in readme
     assert "TEXCOORD_1 the baked UV layer" in readme
+    assert "also inside the mesh's file" in readme  # the flat lightmap of the other material
 
 
 def test_images_are_made_as_small_as_the_limit(baked: Path, tmp_path: Path) -> None:
