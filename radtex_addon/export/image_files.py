@@ -3,20 +3,21 @@
 """Materials' own images as files beside the mesh, for engines that import textures one by one.
 
 An engine imports a file in one way: as colours, as data or as a normal map, and repeated or not. So an image
-that materials use in two ways is written twice.
+that materials use in two ways is written twice. The mesh's file holds none of them then, and names none:
+Unity's glTFast would make an uncompressed copy of each, which nobody shows.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
-from urllib.parse import quote
 
 import numpy as np
 
+from ..core.quoting import in_comment
 from ..formats.containers.glb import Glb
 from ..formats.containers.png import encode_png
 from ..forms.hlsl_lookup import IMAGE_TEXTURES
@@ -51,30 +52,57 @@ NO_IMAGES: ImageFiles = {}
 
 
 def move_images(glb: Glb, numbers: Mapping[str, int], of_images: Collection[int], bake: Path) -> ImageFiles:
-    """Move the images of materials that are shown by these out of a mesh's buffer, into files.
+    """Move the images of materials that are shown by these out of a mesh into files.
 
     `numbers` are the materials' by their names, and `of_images` those that are shown by images. Files are
-    called after `bake`, a path without an ending. The mesh's document names them, so that it is as whole as
-    before; its buffer is to be compacted. Raises OSError.
+    called after `bake`, a path without an ending. The mesh's buffer is to be compacted. Raises OSError.
     """
     files = _Files(glb, bake)
     materials = glb.document["materials"]
     found = {numbers[each["name"]]: each for each in materials if numbers[each["name"]] in of_images}
     made = {number: files.of_material(each) for number, each in found.items()}
-    for image in glb.document.get("images", []):
-        if "uri" in image:
-            del image["bufferView"], image["mimeType"]
+    for material in found.values():
+        material.pop("normalTexture", None)
+        for texture in ("baseColorTexture", "metallicRoughnessTexture"):
+            material["pbrMetallicRoughness"].pop(texture, None)
+    if found:
+        _drop_unused(glb.document)
     return made
 
 
 def lines_of(images: ImageFiles) -> list[str]:
     """A line on each file, for a README."""
-    return [f"{each.file}: {_HOLDS[each.texture]}" for each in every(images)]
+    return [in_comment(f"{each.file}: {_HOLDS[each.texture]}") for each in every(images)]
 
 
 def every(images: ImageFiles) -> list[ImageFile]:
     """All files, each once."""
     return list(dict.fromkeys(each for row in images.values() for each in row))
+
+
+def _drop_unused(document: dict[str, Any]) -> None:
+    """Remove textures that no material has, and what only these needed."""
+    shadings = [each["pbrMetallicRoughness"] for each in document["materials"]]
+    flat = [each["baseColorTexture"] for each in shadings if "baseColorTexture" in each]
+    _keep(document, "textures", flat, "index")
+    _keep(document, "images", document["textures"], "source")
+    _keep(document, "samplers", document["textures"], "sampler")
+    for name in ("textures", "images", "samplers"):
+        if not document[name]:
+            del document[name]
+    used = {extension for each in flat for extension in each.get("extensions", {})}
+    used |= {extension for each in document["materials"] for extension in each.get("extensions", {})}
+    document["extensionsUsed"] = [each for each in document["extensionsUsed"] if each in used]
+    if not used:
+        del document["extensionsUsed"]
+
+
+def _keep(document: dict[str, Any], name: str, users: Sequence[dict[str, Any]], key: str) -> None:
+    """Keep those of a document's list that `users` name by their index under a key."""
+    kept = sorted({each[key] for each in users})
+    document[name] = [document[name][index] for index in kept]
+    for each in users:
+        each[key] = kept.index(each[key])
 
 
 class _Use(NamedTuple):
@@ -117,8 +145,6 @@ class _Files:
             file = f"{self.bake.name}.image.{name}.{ending}"
             self.bake.with_name(file).write_bytes(data)
             self.made[use] = ImageFile(file, name, use.texture, use.wrap)
-            if use.image is not None:
-                self.glb.document["images"][use.image].setdefault("uri", quote(file))
         return self.made[use]
 
     def _content(self, use: _Use) -> tuple[str, str, bytes]:

@@ -362,17 +362,16 @@ def test_other_exports_have_the_bakes_maps(
 def test_engines_have_images_as_files(target: Target, mixed: Path, tmp_path: Path) -> None:
     folders = {each: exported(mixed, tmp_path / each, each).folder for each in (target, Target.GLTF)}
     ours, plain = (Glb.read(folder / f"{NAME}.glb") for folder in folders.values())
-    named = [each for each in ours.document["images"] if "uri" in each]
-    assert [each["uri"] for each in named] == [
-        f"{NAME}.image.Painted_{kind}.png" for kind in ("colour", "metal", "normal")
-    ]
-    for listed, inside in zip(ours.document["images"], plain.document["images"], strict=True):
-        view = plain.document["bufferViews"][inside["bufferView"]]
+    inside = {each["name"]: each["bufferView"] for each in plain.document["images"]}
+    for kind in ("colour", "metal", "normal"):
+        number = next(view for name, view in inside.items() if f"Painted {kind}" in name)
+        view = plain.document["bufferViews"][number]
         data = plain.buffer[view["byteOffset"] : view["byteOffset"] + view["byteLength"]]
-        if "uri" in listed:
-            assert (folders[target] / listed["uri"]).read_bytes() == data
-            assert "bufferView" not in listed
-    assert len(ours.document["images"]) == 4  # and the other material's flat lightmap, which is inside
+        assert (folders[target] / f"{NAME}.image.Painted_{kind}.png").read_bytes() == data
+    assert [each["name"] for each in ours.document["images"]] == [f"{NAME}.flat.png"]  # of the other material
+    first, second = ours.document["materials"]
+    assert "baseColorTexture" not in first["pbrMetallicRoughness"]
+    assert second["pbrMetallicRoughness"]["baseColorTexture"]["index"] == 0
     baked = baked_matrix(plain)[:, :3]
     for number in range(2):
         found, before = attributes_of(ours, number), attributes_of(plain, number)
@@ -505,9 +504,10 @@ def test_a_file_is_imported_in_one_way(tmp_path: Path) -> None:
         more = {} if bump is None else {"normalTexture": {"index": bump}}
         return {"name": name, "pbrMetallicRoughness": shading, **more}
 
+    document["extensionsUsed"] = ["KHR_materials_unlit", "another"]
     document["materials"] = [
         *(material("a", 0, 1, 2), material("b", 3, 0, None), material("c", 0, None, 2)),
-        material("not by images", 0, 0, 0),
+        material("not by images", 0, None, None) | {"extensions": {"KHR_materials_unlit": {}}},
     ]
     numbers = {"a": 4, "b": 0, "c": 2, "not by images": 1}
     found = move_images(glb, numbers, {0, 2, 4}, tmp_path / "Vase")
@@ -523,6 +523,6 @@ def test_a_file_is_imported_in_one_way(tmp_path: Path) -> None:
     assert found[0][0].wrap == EXTEND
     flat = np.asarray(PilImage.open(tmp_path / "Vase.image.flat.png"))
     assert np.abs(flat.astype(int) - [128, 128, 255]).max() <= 1
-    assert [each["uri"] for each in document["images"]] == [
-        f"Vase.image.{name}.png" for name in ("Rust_1", "rust_1_2", "image")
-    ]
+    assert document["textures"] == [{"source": 0, "sampler": 0}]
+    assert [each["name"] for each in document["images"]] == ["Rust/1.png"]
+    assert document["extensionsUsed"] == ["KHR_materials_unlit"]

@@ -195,9 +195,11 @@ def test_the_script_opens_no_file_elsewhere(tmp_path: Path) -> None:
     asked = asked_of("layered")
     words = script_words("Vase", "radiance", "Vase.glb", asked.lookup, {"Vase": "Vase.custom.hlsl"})
     words |= {"CLEAR": "True", "TWO_SIDED": "False"}
-    for key in ("MESH", "TEXTURES", "MATERIALS"):
-        for name in elsewhere({"MESH": ".glb", "TEXTURES": ".dds", "MATERIALS": ".hlsl"}[key]):
+    endings = {"MESH": ".glb", "TEXTURES": ".dds", "MATERIALS": ".hlsl", "IMAGES": ".png"}
+    for key, ending in endings.items():
+        for name in elsewhere(ending):
             evil = {"MESH": name, "TEXTURES": [("Atlas", name, False)], "MATERIALS": [("Vase", name)]}
+            evil["IMAGES"] = [("Rust", name, "Base", "WRAP")]
             script = tmp_path / "import.py"
             text = filled(TEMPLATES / SCRIPT, words | {key: repr(evil[key])})
             script.write_text(text, encoding="utf-8")

@@ -148,8 +148,7 @@ class Glb:
             part["attributes"] = {name: number[index] for name, index in part["attributes"].items()}
             part["indices"] = number[part["indices"]]
         self.document["accessors"] = accessors
-        inside = [image for image in self.document.get("images", []) if "bufferView" in image]
-        owners = [*accessors, *inside]
+        owners = [*accessors, *self.document.get("images", [])]
         old, views = self.buffer, self.document["bufferViews"]
         self.buffer, self.document["bufferViews"] = bytearray(), []
         moved: dict[int, int] = {}
