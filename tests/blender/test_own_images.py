@@ -492,9 +492,10 @@ def test_a_file_is_imported_in_one_way(tmp_path: Path) -> None:
     """An image that is used in two ways is two files; names that are alike or odd become different ones."""
     glb = Glb({"samplers": [{"wrapS": REPEAT}, {"wrapS": EXTEND}], "images": [], "textures": []}, bytearray())
     document = glb.document
+    kinds = ("png", "jpeg", "png")
     for k, name in enumerate(["Rust/1.png", "rust 1.PNG.001", "\u9306"]):
         view = glb.add_view(bytes([k]))
-        document["images"].append({"bufferView": view, "mimeType": "image/png", "name": name})
+        document["images"].append({"bufferView": view, "mimeType": f"image/{kinds[k]}", "name": name})
     for source, sampler in ((0, 0), (1, 0), (2, 0), (0, 1)):
         document["textures"].append({"source": source, "sampler": sampler})
 
@@ -520,6 +521,7 @@ def test_a_file_is_imported_in_one_way(tmp_path: Path) -> None:
     }
     files = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
     assert files["Vase.image.Rust_1.png"] == files["Vase.image.Rust_1_4.png"] == b"\0"
+    assert files["Vase.image.rust_1_2.jpg"] == b"\1"
     assert found[0][0].wrap == EXTEND
     flat = np.asarray(PilImage.open(tmp_path / "Vase.image.flat.png"))
     assert np.abs(flat.astype(int) - [128, 128, 255]).max() <= 1
