@@ -13,6 +13,11 @@
 // What the bake has. RADTEX_MIRRORS: any of its materials has lobes. RADTEX_TINT, RADTEX_NORMAL, RADTEX_WIDTH,
 // RADTEX_ALPHA, RADTEX_PLANE, RADTEX_THINGS (with distances): these layers. RADTEX_LAMPS: how many, 0 to 8.
 // RADTEX_GLOSSES: how much a material mirrors follows from its tint and its width.
+// RADTEX_IMAGES: the material is shown by its own images, in place of colour, tint and normal: call radtex_layered_images.
+// These are radtex_base_map, the base colour, its format sRGB; radtex_metal_map, green roughness and blue metal; and
+// radtex_bump_map, the normal map, y up. RADTEX_IMAGE_SAMPLER(name): the sampler of each, such as name##_sampler;
+// without, it is RADTEX_SAMPLER. RADTEX_PACKED_BUMP: the normal map holds x and y alone, as engines compress it: x is
+// red times alpha, y is green.
 // RADTEX_OWN_CELLS, RADTEX_REST_CELLS: cells along the sides of buckets.
 //
 // What a lookup costs. RADTEX_STEPS (0, 1, 2; default 1): fetches of distances. RADTEX_OWN_TAPS, RADTEX_REST_TAPS (3,
@@ -59,6 +64,9 @@
 SamplerState radtex_filtering;
 #define RADTEX_SAMPLER radtex_filtering
 #endif
+#ifndef RADTEX_IMAGE_SAMPLER
+#define RADTEX_IMAGE_SAMPLER(name) RADTEX_SAMPLER
+#endif
 
 #ifndef RADTEX_DECLARED
 Texture2D radtex_colour_map RADTEX_TEXTURE(0);
@@ -73,6 +81,11 @@ Texture2D radtex_world_map RADTEX_TEXTURE(8);
 Texture2D radtex_plane_map RADTEX_TEXTURE(9);
 Texture2D radtex_things_map RADTEX_TEXTURE(10);
 Texture2D radtex_distances_map RADTEX_TEXTURE(11);
+#ifdef RADTEX_IMAGES
+Texture2D radtex_base_map RADTEX_TEXTURE(16);
+Texture2D radtex_metal_map RADTEX_TEXTURE(17);
+Texture2D radtex_bump_map RADTEX_TEXTURE(18);
+#endif
 
 cbuffer RadtexBake RADTEX_BUFFER(0) {
     float4 radtex_middle;        // xyz: from where the surroundings are seen
@@ -105,6 +118,11 @@ cbuffer RadtexMaterial RADTEX_BUFFER(1) {
     float4 radtex_lobes[32];     // by N.V: weight, and log2 of the width²; the first lobe's, then the second one's
     float4 radtex_gloss[1];      // its mean glossy colour and log2 of its mean width²: see radtex_reflected; 0 if tints say all
 };
+#ifdef RADTEX_IMAGES
+cbuffer RadtexImages RADTEX_BUFFER(3) {
+    float4 radtex_images[3];  // as radtex_look_of takes them
+};
+#endif
 #endif
 
 float2 radtex_turned(float2 place) {
@@ -426,6 +444,29 @@ RadtexLook radtex_look_of(float4 diffuse, float4 dull, float4 shiny, float3 base
     return look;
 }
 
+#ifdef RADTEX_IMAGES
+float4 radtex_image(Texture2D image, SamplerState filtering, float2 place) {
+#ifdef RADTEX_NO_DERIVATIVES
+    return image.SampleLevel(filtering, place, 0.0);
+#else
+    return image.Sample(filtering, place);
+#endif
+}
+
+// The same of the images that are bound, at their texture coordinates `place`.
+RadtexLook radtex_look_of_images(float2 place, float2 uv, float3 T, float3 B, float3 face) {
+    float3 base = radtex_image(radtex_base_map, RADTEX_IMAGE_SAMPLER(radtex_base_map), place).rgb;
+    float2 rough = radtex_image(radtex_metal_map, RADTEX_IMAGE_SAMPLER(radtex_metal_map), place).gb;
+    float4 bump = radtex_image(radtex_bump_map, RADTEX_IMAGE_SAMPLER(radtex_bump_map), place);
+#ifdef RADTEX_PACKED_BUMP
+    bump.x *= bump.w;
+    float2 turn = 2.0 * bump.xy - 1.0;
+    bump.z = 0.5 + 0.5 * sqrt(max(1.0 - dot(turn, turn), 0.0));
+#endif
+    return radtex_look_of(radtex_images[0], radtex_images[1], radtex_images[2], base, rough, bump.xyz, T, B, face,
+        radtex_alpha(uv));
+}
+#else
 // The same by the bake's maps; `face` is the mesh's unit normal.
 RadtexLook radtex_look(float2 uv, float3 face) {
     RadtexLook look;
@@ -441,6 +482,7 @@ RadtexLook radtex_look(float2 uv, float3 face) {
 #endif
     return look;
 }
+#endif
 
 // Radiance towards the viewer, in the unit direction V, from a place at `position` whose unit normal is `face`, of a
 // material that looks so.
@@ -489,9 +531,18 @@ float3 radtex_lit(float2 uv, float3 position, float3 face, float3 V, RadtexLook 
     return max(light, float3(0.0, 0.0, 0.0));
 }
 
+#ifdef RADTEX_IMAGES
+// Radiance towards the viewer of the material that the uniforms tell of, by its own images: at their texture
+// coordinates `place`, with the tangents of these. T, B and `face` are as radtex_look_of takes them.
+float3 radtex_layered_images(float2 uv, float2 place, float3 position, float3 T, float3 B, float3 face, float3 V) {
+    return radtex_lit(uv, position, normalize(face), V, radtex_look_of_images(place, uv, T, B, face));
+}
+#else
+
 // Radiance towards the viewer, in the unit direction V, from a place at `position` whose unit normal is N.
 float3 radtex_layered(float2 uv, float3 position, float3 N, float3 V) {
     return radtex_lit(uv, position, N, V, radtex_look(uv, N));
 }
+#endif
 
 #endif

@@ -99,6 +99,7 @@ vec3 radtex_through(vec2 uv, vec3 from, vec3 N, vec3 V, vec3 T, vec3 B) {
         * radtex_shown(exit, ray, radtex_met(exit, ray), log2(width));
 }
 
+#ifndef RADTEX_IMAGES
 // Radiance towards the viewer, in the unit direction V, from a fragment at `position`.
 vec3 radtex_layered_through(vec2 uv, vec3 position, vec3 N, vec3 V, vec3 T, vec3 B) {
     vec3 through = radtex_through(uv, position - radtex_middle.xyz, N, V, T, B)
@@ -106,3 +107,4 @@ vec3 radtex_layered_through(vec2 uv, vec3 position, vec3 N, vec3 V, vec3 T, vec3
             float(RADTEX_THROUGH_CELLS), uv, radtex_square(-V));
     return max(radtex_layered(uv, position, N, V) + radtex_alpha(uv) * through, vec3(0.0, 0.0, 0.0));
 }
+#endif

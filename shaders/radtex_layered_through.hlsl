@@ -115,6 +115,7 @@ float3 radtex_through(float2 uv, float3 from, float3 N, float3 V, float3 T, floa
         * radtex_shown(exit, ray, radtex_met(exit, ray), log2(width));
 }
 
+#ifndef RADTEX_IMAGES
 // Radiance towards the viewer, in the unit direction V, from a fragment at `position`.
 float3 radtex_layered_through(float2 uv, float3 position, float3 N, float3 V, float3 T, float3 B) {
     float3 through = radtex_through(uv, position - radtex_middle.xyz, N, V, T, B)
@@ -122,5 +123,6 @@ float3 radtex_layered_through(float2 uv, float3 position, float3 N, float3 V, fl
             float(RADTEX_THROUGH_CELLS), uv, radtex_square(-V));
     return max(radtex_layered(uv, position, N, V) + radtex_alpha(uv) * through, float3(0.0, 0.0, 0.0));
 }
+#endif
 
 #endif

@@ -83,13 +83,14 @@ class ImageCase:
     """A case whose materials are shown by images, the same for all: base colour, metal, normal map.
 
     `images` are (H, W, 3) float32 by the shader's names; `place` (N, 2) are their coordinates, 0 to 1. What
-    comes through is left out.
+    comes through is left out. Where the normal map is `packed`, its z is not read, but follows from x and y.
     """
 
     case: Case
     looks: tuple[ImageLook, ...]
     images: dict[str, Floats]
     place: Floats
+    packed: bool = False
 
     def answers(self) -> Floats:
         """What the reference sampler sees, (N, 3)."""
@@ -98,6 +99,9 @@ class ImageCase:
         assert at.bitangent is not None
         found = np.zeros((COUNT, 3), dtype=np.float32)
         base, metal, bump = (bilinear(image, self.place) for image in self.images.values())
+        if self.packed:
+            across = ((2 * bump[:, :2] - 1) ** 2).sum(axis=1)
+            bump[:, 2] = 0.5 + 0.5 * np.sqrt(np.maximum(1 - across, 0))
         for number, look in enumerate(self.looks):
             some = np.flatnonzero(at.material == number)
             frame = (at.tangent[some], at.bitangent[some], at.normal[some])
@@ -122,8 +126,8 @@ def _some(at: Fragments, some: Ints) -> Fragments:
 
 
 @cache
-def image_case(name: str) -> ImageCase:
-    """One of CASES, shown by images."""
+def image_case(name: str, packed: bool = False) -> ImageCase:
+    """A case shown by images. A `packed` normal map is flatter, and its third channel means nothing."""
     case, rng = case_of(name), np.random.default_rng(11)
 
     def colour() -> Colour:
@@ -133,12 +137,14 @@ def image_case(name: str) -> ImageCase:
     strengths = (1.0, 0.4)[: len(case.sidecar.materials)]
     looks = tuple(ImageLook("UVMap", colour(), colour(), colour(), 0.9, each, 0.7) for each in strengths)
     bump = normalised(_image(rng, 32, 3) - [0.5, 0.5, -0.3]) * 0.5 + 0.5
+    if packed:
+        bump[..., :2] = 0.25 + 0.5 * bump[..., :2]
     images = {
         "radtex_base_map": _image(rng, 32, 3),
         "radtex_metal_map": _image(rng, 32, 3),
         "radtex_bump_map": bump.astype(np.float32),
     }
-    return ImageCase(case, looks, images, rng.uniform(size=(COUNT, 2)).astype(np.float32))
+    return ImageCase(case, looks, images, rng.uniform(size=(COUNT, 2)).astype(np.float32), packed)
 
 
 def off(found: Floats, expected: Floats) -> Floats:

@@ -19,6 +19,8 @@ _IMPORT_LINES = (  # of README.txt
     "Import textures whose format ends in _SRGB as sRGB, all others as linear data; with no compression",
     "and no mipmaps but their own.",
 )
+_ATTRIBUTES = "TEXCOORD_0 is the baked UV layer, NORMAL and TANGENT its frame."
+_OF_IMAGES = "TEXCOORD_0 is that of the images, with NORMAL and TANGENT, TEXCOORD_1 the baked UV layer."
 
 
 def engine_writer(where: str) -> Writer:
@@ -32,7 +34,7 @@ def _write(pack: Pack, folder: Path, where: str) -> None:
     lines = [
         f"{manifest.name}: a radiance texture, made by {manifest.tool}",
         "",
-        *file_lines(manifest, "TEXCOORD_0 is the baked UV layer, NORMAL and TANGENT its frame."),
+        *file_lines(manifest, _OF_IMAGES if manifest.images else _ATTRIBUTES),
         "shaders/: the includes to look it up by (MIT licence).",
         "",
         *manifest.form.usage(manifest.bake, manifest.textures),
@@ -97,9 +99,11 @@ def file_lines(manifest: Manifest, mesh: str) -> list[str]:
     """Lines that say what a folder's mesh, textures and manifest are; `mesh`: what its attributes hold."""
     bake = manifest.bake
     width, height = bake["texels"]
+    whole = not set(bake.get("layers", ())) <= set(manifest.textures)  # all materials show images
+    inside = "" if manifest.images and whole else "; also inside the mesh's file"
     lines = [
         f"{manifest.mesh}: the mesh. {mesh}",
-        f"{manifest.flat}: a flat lightmap, the mean of each texel's light; also inside the mesh's file.",
+        f"{manifest.flat}: a flat lightmap, the mean of each texel's light{inside}.",
         f"{manifest.name}.export.json: all of this for programs.",
         *(_described(layer, entry) for layer, entry in manifest.textures.items()),
         f"layout {bake['layout']}, {width} x {height} texels of {bake['bucket']} x {bake['bucket']} cells",

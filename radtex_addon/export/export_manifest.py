@@ -35,8 +35,8 @@ class Manifest:
     and the names of additional layers. `bake` is the sidecar's JSON. The flat lightmap's light was
     multiplied by `flat_scale` before it was encoded. `culled`: only front faces are drawn, since those that
     are seen from behind have others for their backs. `mirror` is what a moving mirror ball needs. With
-    `images` the mesh's file holds the images of materials that can be shown by these; if all can, `textures`
-    lack what they replace.
+    `images` the mesh's file or the folder holds the images of materials that can be shown by these; if all
+    can, `textures` lack what they replace.
     """
 
     tool: str

@@ -13,12 +13,11 @@ import numpy as np
 from ..core.arrays import Floats
 from ..core.frame import normalised
 from ..formats.containers.glb import Glb
-from ..forms.hlsl_lookup import Number
+from ..forms.hlsl_lookup import HlslLookup, Number
 from ..scene.mesh.copy import MATERIAL
 from ..textures.entry import TextureEntry
 
-ATTRIBUTES = "TEXCOORD_0 is the baked UV layer, TEXCOORD_1 to 4 its frame."  # for a README
-TANGENT_XY, TANGENT_Z_SIDE, NORMAL_XY, NORMAL_Z = (f"TEXCOORD_{number}" for number in range(1, 5))
+IMAGE_SETS = "RADTEX_IMAGE_UVS"  # defined where uv set 0 is that of materials' own images
 _TO_GLTF = np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]])  # from Blender's axes: gltf.to_gltf
 _TO_BLENDER = _TO_GLTF.T
 
@@ -50,9 +49,20 @@ def material_numbers(glb: Glb) -> dict[str, int]:
     return {each["name"]: each.get("extras", {}).get(MATERIAL, 0) for each in glb.document["materials"]}
 
 
-def is_clear(glb: Glb) -> bool:
-    """Whether something of the surface lets what is behind it be seen."""
-    return any(each.get("alphaMode") == "BLEND" for each in glb.document["materials"])
+def is_clear(glb: Glb, lookup: HlslLookup) -> bool:
+    """Whether something of the surface lets what is behind it be seen.
+
+    Materials that are shown by their own images may be clear by the bake's map alone.
+    """
+    blended = any(each.get("alphaMode") == "BLEND" for each in glb.document["materials"])
+    return blended or "RADTEX_ALPHA" in lookup.defines
+
+
+def attributes_line(images: bool) -> str:
+    """What the mesh's uv sets hold, for a README; `images` where materials have images of their own."""
+    if images:
+        return "TEXCOORD_0 is that of the images, TEXCOORD_1 the baked UV layer, TEXCOORD_2 to 5 its frame."
+    return "TEXCOORD_0 is the baked UV layer, TEXCOORD_1 to 4 its frame."
 
 
 def identifier(name: str, kind: str) -> str:
@@ -85,7 +95,7 @@ def baked_matrix(glb: Glb) -> Floats:
 
 
 def carry_frame(glb: Glb) -> None:
-    """Move each primitive's tangents into uv sets, with the normals, both in the world of the bake.
+    """Move each primitive's tangents into four more uv sets, with the normals, both in the world of the bake.
 
     They are not normalised, so that they are interpolated as the bake's own are. TANGENT goes away: what no
     shader reads, an importer need not turn. NORMAL stays, for the shadows of engines.
@@ -98,13 +108,15 @@ def carry_frame(glb: Glb) -> None:
             normal = glb.accessor(attributes["NORMAL"]) @ of_normals.T
             frame = glb.accessor(attributes.pop("TANGENT"))
             tangent, side = frame[:, :3] @ baked.T, frame[:, 3] * mirrored
-            sets = {
-                TANGENT_XY: tangent[:, :2],
-                TANGENT_Z_SIDE: np.column_stack([tangent[:, 2], side]),
-                NORMAL_XY: normal[:, :2],
-                NORMAL_Z: np.column_stack([normal[:, 2], np.zeros(len(normal))]),
-            }
-            attributes |= {name: glb.add_vertices(values) for name, values in sets.items()}
+            sets = [
+                tangent[:, :2],
+                np.column_stack([tangent[:, 2], side]),
+                normal[:, :2],
+                np.column_stack([normal[:, 2], np.zeros(len(normal))]),
+            ]
+            first = 2 if "TEXCOORD_1" in attributes else 1
+            for number, values in enumerate(sets, first):
+                attributes[f"TEXCOORD_{number}"] = glb.add_vertices(values)
     glb.compact()
 
 

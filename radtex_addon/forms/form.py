@@ -195,7 +195,11 @@ class Form(Protocol):
         ...
 
     def hlsl(
-        self, bake: Mapping[str, Any], textures: Mapping[str, TextureEntry], target: Target
+        self,
+        bake: Mapping[str, Any],
+        textures: Mapping[str, TextureEntry],
+        target: Target,
+        images: bool = False,
     ) -> HlslLookup:
-        """The lookup in HLSL of an exported bake with this sidecar's JSON."""
+        """The lookup in HLSL of an exported bake with this sidecar's JSON; `images` as in `shader_facts`."""
         ...

@@ -16,8 +16,10 @@ from ..textures.export_spec import Target
 
 SAMPLER = "radtex_trilinear_clamp_sampler"  # Unity makes a sampler of these words; in Unreal it is a member
 ARGUMENTS = (
-    "float2 uv, float3 position, float3 N, float3 T, float side, float3 V, float3 L, float3 irradiance"
+    "float2 uv, float2 image_uv, float3 position, float3 N, float3 T, float side, float3 V, float3 L, "
+    "float3 irradiance"
 )
+IMAGE_TEXTURES = ("radtex_base_map", "radtex_metal_map", "radtex_bump_map")  # of shaders/radtex_layered.hlsl
 
 
 @dataclass(frozen=True)
@@ -46,7 +48,9 @@ class HlslLookup:
     `body` is that of a function that returns light, premultiplied, and alpha: float4, from ARGUMENTS. These
     are, all but uv in the world of the bake: the place, normal, tangent, the bitangent's sign, and where the
     viewer is, of any length; and, for a `relit` bake, where the sun is, and its irradiance. A mesh with
-    several materials has, for each, the constants in `materials`, too.
+    several materials has, for each, the constants in `materials`, too. Materials with the numbers `of_images`
+    are shown by their own images, on coordinates of their own: for these RADTEX_IMAGES is defined, there are
+    the textures IMAGE_TEXTURES, and the bake's `replaced` ones are not read.
     """
 
     defines: Mapping[str, int | str]
@@ -56,6 +60,13 @@ class HlslLookup:
     body: str
     materials: tuple[tuple[Number, ...], ...] = ((),)
     relit: bool = False
+    of_images: frozenset[int] = frozenset()
+    replaced: tuple[str, ...] = ()
+
+    def textures_of(self, material: int) -> dict[str, TextureEntry]:
+        """The bake's textures that are read for a material."""
+        left_out = self.replaced if material in self.of_images else ()
+        return {name: entry for name, entry in self.textures.items() if name not in left_out}
 
 
 def numbers(values: Iterable[Any]) -> str:

@@ -134,11 +134,11 @@ TARGETS: dict[Target, TargetTraits] = {
         "Unity", "A mesh, DDS textures, a shader, and a script that sets all up", help=_ENGINE_HELP,
         next_step="Copy the folder into Assets without .unity in its name, then Assets > RadTex > Set up",
         auto=TextureFormat.DDS_BC6H, formats=_IMPORTED | {TextureFormat.DDS_BC6H}, needs_hlsl=True,
-        turns_exr=True),
+        images=True, turns_exr=True),
     Target.UNREAL: TargetTraits(
         "Unreal", "A mesh, DDS textures, and a script that imports them and makes the material",
         help=_ENGINE_HELP, next_step="In the editor: Tools > Execute Python Script, the .py of the folder",
-        auto=TextureFormat.DDS_RGBA16F, formats=_IMPORTED, needs_hlsl=True,
+        auto=TextureFormat.DDS_RGBA16F, formats=_IMPORTED, needs_hlsl=True, images=True,
         blocks=False,  # it compresses what it imports itself
         arrays=False, odd_levels=False),
 }

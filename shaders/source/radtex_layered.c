@@ -48,8 +48,14 @@
 // RADTEX_ALPHA, RADTEX_PLANE, RADTEX_THINGS (with distances): these layers. RADTEX_LAMPS: how many, 0 to 8.
 // RADTEX_GLOSSES: how much a material mirrors follows from its tint and its width.
 @end
-@in glsl godot
+@in glsl hlsl godot
 // RADTEX_IMAGES: the material is shown by its own images, in place of colour, tint and normal: call radtex_layered_images.
+@end
+@in hlsl
+// These are radtex_base_map, the base colour, its format sRGB; radtex_metal_map, green roughness and blue metal; and
+// radtex_bump_map, the normal map, y up. RADTEX_IMAGE_SAMPLER(name): the sampler of each, such as name##_sampler;
+// without, it is RADTEX_SAMPLER. RADTEX_PACKED_BUMP: the normal map holds x and y alone, as engines compress it: x is
+// red times alpha, y is green.
 @end
 @in glsl hlsl
 // RADTEX_OWN_CELLS, RADTEX_REST_CELLS: cells along the sides of buckets.
@@ -218,6 +224,9 @@ uniform vec4 radtex_lamp_light[RADTEX_LAMPS];  // rgb: irradiance at the middle
 SamplerState radtex_filtering;
 #define RADTEX_SAMPLER radtex_filtering
 #endif
+#ifndef RADTEX_IMAGE_SAMPLER
+#define RADTEX_IMAGE_SAMPLER(name) RADTEX_SAMPLER
+#endif
 
 #ifndef RADTEX_DECLARED
 Texture2D radtex_colour_map RADTEX_TEXTURE(0);
@@ -232,6 +241,11 @@ Texture2D radtex_world_map RADTEX_TEXTURE(8);
 Texture2D radtex_plane_map RADTEX_TEXTURE(9);
 Texture2D radtex_things_map RADTEX_TEXTURE(10);
 Texture2D radtex_distances_map RADTEX_TEXTURE(11);
+#ifdef RADTEX_IMAGES
+Texture2D radtex_base_map RADTEX_TEXTURE(16);
+Texture2D radtex_metal_map RADTEX_TEXTURE(17);
+Texture2D radtex_bump_map RADTEX_TEXTURE(18);
+#endif
 
 cbuffer RadtexBake RADTEX_BUFFER(0) {
     float4 radtex_middle;        // xyz: from where the surroundings are seen
@@ -264,6 +278,11 @@ cbuffer RadtexMaterial RADTEX_BUFFER(1) {
     float4 radtex_lobes[32];     // by N.V: weight, and log2 of the width²; the first lobe's, then the second one's
     float4 radtex_gloss[1];      // its mean glossy colour and log2 of its mean width²: see radtex_reflected; 0 if tints say all
 };
+#ifdef RADTEX_IMAGES
+cbuffer RadtexImages RADTEX_BUFFER(3) {
+    float4 radtex_images[3];  // as radtex_look_of takes them
+};
+#endif
 #endif
 
 float2 radtex_turned(float2 place) {
@@ -723,7 +742,32 @@ RadtexLook radtex_look_of_images(int material, vec2 place, vec2 uv, vec3 T, vec3
 }
 #else
 @end
-@in hlsl wgsl
+@in hlsl
+
+#ifdef RADTEX_IMAGES
+float4 radtex_image(Texture2D image, SamplerState filtering, float2 place) {
+#ifdef RADTEX_NO_DERIVATIVES
+    return image.SampleLevel(filtering, place, 0.0);
+#else
+    return image.Sample(filtering, place);
+#endif
+}
+
+// The same of the images that are bound, at their texture coordinates `place`.
+RadtexLook radtex_look_of_images(float2 place, float2 uv, float3 T, float3 B, float3 face) {
+    float3 base = radtex_image(radtex_base_map, RADTEX_IMAGE_SAMPLER(radtex_base_map), place).rgb;
+    float2 rough = radtex_image(radtex_metal_map, RADTEX_IMAGE_SAMPLER(radtex_metal_map), place).gb;
+    float4 bump = radtex_image(radtex_bump_map, RADTEX_IMAGE_SAMPLER(radtex_bump_map), place);
+#ifdef RADTEX_PACKED_BUMP
+    bump.x *= bump.w;
+    float2 turn = 2.0 * bump.xy - 1.0;
+    bump.z = 0.5 + 0.5 * sqrt(max(1.0 - dot(turn, turn), 0.0));
+#endif
+    return radtex_look_of(radtex_images[0], radtex_images[1], radtex_images[2], base, rough, bump.xyz, T, B, face,
+        radtex_alpha(uv));
+}
+#else
+@in wgsl
 
 @end
 // The same by the bake's maps; `face` is the mesh's unit normal.
@@ -741,8 +785,10 @@ RadtexLook radtex_look(vec2 uv, vec3 face) {
 #endif
     return look;
 }
-@in glsl godot
+@in glsl hlsl godot
 #endif
+@end
+@in glsl godot
 
 // Radiance towards the viewer, in the unit direction V, from a place at `position` whose unit normal is `face`, of the
 // material with that number, which looks so.
@@ -817,6 +863,15 @@ vec3 radtex_layered(vec2 uv, vec3 position, vec3 N, vec3 V) {
 }
 #endif
 @end
+@in hlsl
+
+#ifdef RADTEX_IMAGES
+// Radiance towards the viewer of the material that the uniforms tell of, by its own images: at their texture
+// coordinates `place`, with the tangents of these. T, B and `face` are as radtex_look_of takes them.
+float3 radtex_layered_images(float2 uv, float2 place, float3 position, float3 T, float3 B, float3 face, float3 V) {
+    return radtex_lit(uv, position, normalize(face), V, radtex_look_of_images(place, uv, T, B, face));
+}
+#else
 @in hlsl wgsl
 
 // Radiance towards the viewer, in the unit direction V, from a place at `position` whose unit normal is N.
@@ -825,6 +880,7 @@ vec3 radtex_layered(vec2 uv, vec3 position, vec3 N, vec3 V) {
 }
 @end
 @in hlsl
+#endif
 
 #endif
 @end

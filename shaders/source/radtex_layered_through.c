@@ -177,7 +177,13 @@ vec3 radtex_through(vec2 uv, vec3 from, vec3 N, vec3 V, vec3 T, vec3 B) {
     return way.w * radtex_colours(radtex_through_colour_map, radtex_through_colour_range, uv)
         * radtex_shown(exit, ray, radtex_met(exit, ray), log2(width));
 }
+@in glsl hlsl godot
 
+#ifndef RADTEX_IMAGES
+@end
+@in wgsl
+
+@end
 // Radiance towards the viewer, in the unit direction V, from a fragment at `position`.
 vec3 radtex_layered_through(vec2 uv, vec3 position, vec3 N, vec3 V, vec3 T, vec3 B) {
     vec3 through = radtex_through(uv, position - radtex_middle.xyz, N, V, T, B)
@@ -185,6 +191,9 @@ vec3 radtex_layered_through(vec2 uv, vec3 position, vec3 N, vec3 V, vec3 T, vec3
             float(RADTEX_THROUGH_CELLS), uv, radtex_square(-V));
     return max(radtex_layered(uv, position, N, V) + radtex_alpha(uv) * through, vec3(0.0, 0.0, 0.0));
 }
+@in glsl hlsl godot
+#endif
+@end
 @in hlsl
 
 #endif

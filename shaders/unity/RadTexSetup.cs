@@ -32,6 +32,12 @@ namespace RadTexExports.@IDENTIFIER@
 @MATERIAL_NUMBERS@
         };
 
+        // The images that materials are shown by.
+        static readonly OwnImage[] Images =
+        {
+@OWN_IMAGES@
+        };
+
         [MenuItem("Assets/RadTex/Set up @TITLE@")]
         public static void Run()
         {
@@ -68,6 +74,11 @@ namespace RadTexExports.@IDENTIFIER@
             {
                 files.Add(Textures[k, 1]);
                 endings.Add(new[] { ".dds", ".exr" });
+            }
+            foreach (OwnImage image in Images)
+            {
+                files.Add(image.File);
+                endings.Add(new[] { ".png", ".jpg" });
             }
             for (int k = 0; k < files.Count; k++)
             {
@@ -118,15 +129,47 @@ namespace RadTexExports.@IDENTIFIER@
                     ImportExr(path);
                 }
             }
+            var done = new HashSet<string>();
+            foreach (OwnImage image in Images)
+            {
+                if (done.Add(image.File))
+                {
+                    ImportImage(folder + "/" + image.File, image);
+                }
+            }
         }
 
-        static void ImportExr(string path)
+        static TextureImporter ImporterOf(string path)
         {
             var importer = AssetImporter.GetAtPath(path) as TextureImporter;
             if (importer == null)
             {
                 throw new InvalidOperationException("RadTex: " + path + " is missing: copy the whole folder");
             }
+            return importer;
+        }
+
+        // As large as it is. Colours are sRGB; a normal map is Unity's own kind, whose two channels the shader reads: y up.
+        static void ImportImage(string path, OwnImage image)
+        {
+            TextureImporter importer = ImporterOf(path);
+            bool normals = image.Texture == "@BUMP@";
+            importer.textureType = normals ? TextureImporterType.NormalMap : TextureImporterType.Default;
+            importer.sRGBTexture = image.Texture == "@BASE@";
+            importer.alphaSource = TextureImporterAlphaSource.None;
+            importer.npotScale = TextureImporterNPOTScale.None;
+            importer.mipmapEnabled = true;
+            importer.wrapMode = image.Wrap;
+            importer.filterMode = FilterMode.Trilinear;
+            importer.anisoLevel = 8;
+            importer.textureCompression = TextureImporterCompression.CompressedHQ;
+            importer.maxTextureSize = 16384;
+            importer.SaveAndReimport();
+        }
+
+        static void ImportExr(string path)
+        {
+            TextureImporter importer = ImporterOf(path);
             importer.textureType = TextureImporterType.Default;
             importer.sRGBTexture = false;
             importer.alphaSource = TextureImporterAlphaSource.FromInput;
@@ -165,18 +208,29 @@ namespace RadTexExports.@IDENTIFIER@
                 }
                 for (int k = 0; k < Textures.GetLength(0); k++)
                 {
-                    string file = folder + "/" + Textures[k, 1];
-                    var texture = AssetDatabase.LoadAssetAtPath<Texture>(file);
-                    if (texture == null)
+                    material.SetTexture(Textures[k, 0], Imported(folder + "/" + Textures[k, 1]));
+                }
+                foreach (OwnImage image in Images)
+                {
+                    if (image.Material == number)
                     {
-                        throw new InvalidOperationException("RadTex: Unity did not import " + file);
+                        material.SetTexture(image.Texture, Imported(folder + "/" + image.File));
                     }
-                    material.SetTexture(Textures[k, 0], texture);
                 }
                 EditorUtility.SetDirty(material);
                 made[number] = material;
             }
             return made;
+        }
+
+        static Texture Imported(string file)
+        {
+            var texture = AssetDatabase.LoadAssetAtPath<Texture>(file);
+            if (texture == null)
+            {
+                throw new InvalidOperationException("RadTex: Unity did not import " + file);
+            }
+            return texture;
         }
 
         static void SavePrefab(string folder, Dictionary<int, Material> materials)
@@ -209,6 +263,22 @@ namespace RadTexExports.@IDENTIFIER@
             {
                 UnityEngine.Object.DestroyImmediate(instance);
             }
+        }
+    }
+
+    // An image that a material is shown by: the material's number, the texture's name in the shader, and the file.
+    struct OwnImage
+    {
+        public readonly int Material;
+        public readonly string Texture, File;
+        public readonly TextureWrapMode Wrap;
+
+        public OwnImage(int material, string texture, string file, TextureWrapMode wrap)
+        {
+            Material = material;
+            Texture = texture;
+            File = file;
+            Wrap = wrap;
         }
     }
 

@@ -11,8 +11,9 @@
 //
 // then includes NAME.hlsl, which has the bake's numbers and radtex_light, and then this.
 //
-// The mesh carries the frame of the bake in its uv sets 1 to 4, in the world of the bake: the tangent and the
-// bitangent's sign, then the normal. Importers turn normals and tangents each in their own way; uv they leave alone, but
+// The mesh carries the frame of the bake in four uv sets behind that of the bake, in the world of the bake: the tangent
+// and the bitangent's sign, then the normal. Where materials are shown by their own images, their set is the first, and
+// the bake's the second. Importers turn normals and tangents each in their own way; uv they leave alone, but
 // that Unity's v grows upwards, so that every importer of glTF makes it 1 - v.
 
 #ifndef RADTEX_UNITY_HLSL
@@ -30,17 +31,26 @@ CBUFFER_END
 struct RadtexVertex {
     float4 position : POSITION;
     float3 normal : NORMAL;
+#ifdef RADTEX_IMAGE_UVS
+    float2 image_uv : TEXCOORD0;
+    float2 uv : TEXCOORD1;
+    float2 tangent_xy : TEXCOORD2;
+    float2 tangent_z_side : TEXCOORD3;
+    float2 normal_xy : TEXCOORD4;
+    float2 normal_z : TEXCOORD5;
+#else
     float2 uv : TEXCOORD0;
     float2 tangent_xy : TEXCOORD1;
     float2 tangent_z_side : TEXCOORD2;
     float2 normal_xy : TEXCOORD3;
     float2 normal_z : TEXCOORD4;
+#endif
     UNITY_VERTEX_INPUT_INSTANCE_ID
 };
 
 struct RadtexFragment {
     float4 place : SV_POSITION;
-    float2 uv : TEXCOORD0;
+    float4 uv : TEXCOORD0;  // of the bake; zw: of the material's own images
     float3 position : TEXCOORD1;  // this and what follows: in the world of the bake
     float3 normal : TEXCOORD2;
     float4 tangent : TEXCOORD3;
@@ -63,7 +73,11 @@ RadtexFragment radtex_vertex(RadtexVertex v) {
     UNITY_INITIALIZE_VERTEX_OUTPUT_STEREO(f);
     float3 world = RADTEX_TO_WORLD(v.position.xyz);
     f.place = RADTEX_TO_CLIP(world, v);
-    f.uv = v.uv;
+#ifdef RADTEX_IMAGE_UVS
+    f.uv = float4(v.uv, v.image_uv);
+#else
+    f.uv = float4(v.uv, v.uv);
+#endif
     f.position = mul(RADTEX_BAKED, float4(v.position.xyz, 1.0));
     f.normal = float3(v.normal_xy.x, 1.0 - v.normal_xy.y, v.normal_z.x);
     f.tangent = float4(v.tangent_xy.x, 1.0 - v.tangent_xy.y, v.tangent_z_side.x, 1.0 - v.tangent_z_side.y);
@@ -81,7 +95,8 @@ float4 radtex_seen(RadtexFragment f) {
 #ifdef RADTEX_RELIT
     irradiance = _RadtexSunIrradiance.rgb;
 #endif
-    return radtex_light(f.uv, f.position, f.normal, f.tangent.xyz, f.tangent.w, f.viewer, f.sun, irradiance);
+    return radtex_light(
+        f.uv.xy, f.uv.zw, f.position, f.normal, f.tangent.xyz, f.tangent.w, f.viewer, f.sun, irradiance);
 }
 
 #ifdef RADTEX_CLEAR

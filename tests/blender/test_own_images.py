@@ -23,10 +23,13 @@ from radtex_addon.export.export_manifest import read_manifest
 from radtex_addon.export.exporting import Exported, export_steps
 from radtex_addon.export.exporting_scene import export_scene_steps
 from radtex_addon.export.gltf import extension_in
+from radtex_addon.export.image_files import EXTEND, REPEAT, move_images
 from radtex_addon.export.material_images import _metal_and_roughness, _pictures
+from radtex_addon.export.unity_unreal import baked_matrix
 from radtex_addon.formats.containers.exr import read_render
 from radtex_addon.formats.containers.glb import Glb
 from radtex_addon.formats.sidecar_file import opened
+from radtex_addon.forms.hlsl_lookup import IMAGE_TEXTURES
 from radtex_addon.forms.layered.files.layered_files import read_layered_sidecar
 from radtex_addon.forms.layered.files.sidecar import LayeredSidecar
 from radtex_addon.forms.layered.preview.material import preview_layered_material
@@ -47,6 +50,7 @@ from tests.blender.image_stage import (
 from tests.blender.lookup_stage import set_up_render
 from tests.finished_bakes import finished_bake
 from tests.gltf_schema import problems
+from tests.reference.importers import attributes_of
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
 REPLACED = {"colour", "tint", "normal"}
@@ -284,6 +288,9 @@ def test_an_export_has_the_images_once_and_light_alone(baked: Path, tmp_path: Pa
         assert listed["name"] not in bpy.data.images  # what was loaded is gone
     (material,) = document["materials"]
     assert problems(extension_in(material)) == []
+    readme = (made.folder / "README.txt").read_text()
+    assert "TEXCOORD_1 the baked UV layer" in readme
+    assert "also inside the mesh's file" not in readme
     assert "KHR_materials_unlit" not in document["extensionsUsed"]
     assert {"baseColorTexture", "metallicRoughnessTexture"} <= set(material["pbrMetallicRoughness"])
     assert material["normalTexture"]["scale"] == 1
@@ -336,7 +343,8 @@ def test_tangents_are_those_of_the_images(baked: Path, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("target", "settings"), [(Target.UNITY, {}), (Target.RAW, {}), (Target.GLTF, {"image_limit": 0})]
+    ("target", "settings"),
+    [(Target.RAW, {}), (Target.GLTF, {"image_limit": 0}), (Target.UNITY, {"image_limit": 0})],
 )
 def test_other_exports_have_the_bakes_maps(
     target: Target, settings: dict[str, Any], baked: Path, tmp_path: Path
@@ -348,6 +356,34 @@ def test_other_exports_have_the_bakes_maps(
     assert "radtex_images" not in facts["shader"]["materials"][0]
     document = Glb.read(made.folder / f"{NAME}.glb").document
     assert len(document["images"]) == 1
+
+
+@pytest.mark.parametrize("target", [Target.UNITY, Target.UNREAL])
+def test_engines_have_images_as_files(target: Target, mixed: Path, tmp_path: Path) -> None:
+    folders = {each: exported(mixed, tmp_path / each, each).folder for each in (target, Target.GLTF)}
+    ours, plain = (Glb.read(folder / f"{NAME}.glb") for folder in folders.values())
+    inside = {each["name"]: each["bufferView"] for each in plain.document["images"]}
+    for kind in ("colour", "metal", "normal"):
+        number = next(view for name, view in inside.items() if f"Painted {kind}" in name)
+        view = plain.document["bufferViews"][number]
+        data = plain.buffer[view["byteOffset"] : view["byteOffset"] + view["byteLength"]]
+        assert (folders[target] / f"{NAME}.image.Painted_{kind}.png").read_bytes() == data
+    assert [each["name"] for each in ours.document["images"]] == [f"{NAME}.flat.png"]  # of the other material
+    first, second = ours.document["materials"]
+    assert "baseColorTexture" not in first["pbrMetallicRoughness"]
+    assert second["pbrMetallicRoughness"]["baseColorTexture"]["index"] == 0
+    baked = baked_matrix(plain)[:, :3]
+    for number in range(2):
+        found, before = attributes_of(ours, number), attributes_of(plain, number)
+        for name in ("TEXCOORD_0", "TEXCOORD_1"):
+            np.testing.assert_allclose(found[name], before[name], atol=1e-5)
+        tangent, normal = before["TANGENT"][:, :3] @ baked.T, before["NORMAL"] @ np.linalg.inv(baked)
+        np.testing.assert_allclose(found["TEXCOORD_2"], tangent[:, :2], atol=1e-5)
+        np.testing.assert_allclose(found["TEXCOORD_4"], normal[:, :2], atol=1e-5)
+    readme = (folders[target] / "README.txt").read_text()
+    assert f"{NAME}.image.Painted_normal.png: normal map, y up" in readme
+    assert "TEXCOORD_1 the baked UV layer" in readme
+    assert "also inside the mesh's file" in readme  # the flat lightmap of the other material
 
 
 def test_images_are_made_as_small_as_the_limit(baked: Path, tmp_path: Path) -> None:
@@ -450,3 +486,45 @@ def test_metal_and_roughness_of_two_images_become_one(tmp_path: Path) -> None:
     metal, rough = squares((0,), (1,), 2)[..., 0], squares((0.2,), (0.6,))[:32, :32, 0]
     np.testing.assert_allclose(pixels[..., 2], metal, atol=3e-3)
     np.testing.assert_allclose(pixels[::2, ::2, 1], rough, atol=3e-3)
+
+
+def test_a_file_is_imported_in_one_way(tmp_path: Path) -> None:
+    """An image that is used in two ways is two files; names that are alike or odd become different ones."""
+    glb = Glb({"samplers": [{"wrapS": REPEAT}, {"wrapS": EXTEND}], "images": [], "textures": []}, bytearray())
+    document = glb.document
+    kinds = ("png", "jpeg", "png")
+    for k, name in enumerate(["Rust/1.png", "rust 1.PNG.001", "\u9306"]):
+        view = glb.add_view(bytes([k]))
+        document["images"].append({"bufferView": view, "mimeType": f"image/{kinds[k]}", "name": name})
+    for source, sampler in ((0, 0), (1, 0), (2, 0), (0, 1)):
+        document["textures"].append({"source": source, "sampler": sampler})
+
+    def material(name: str, base: int, metal: int | None, bump: int | None) -> dict[str, Any]:
+        shading = {"baseColorTexture": {"index": base}}
+        shading |= {} if metal is None else {"metallicRoughnessTexture": {"index": metal}}
+        more = {} if bump is None else {"normalTexture": {"index": bump}}
+        return {"name": name, "pbrMetallicRoughness": shading, **more}
+
+    document["extensionsUsed"] = ["KHR_materials_unlit", "another"]
+    document["materials"] = [
+        *(material("a", 0, 1, 2), material("b", 3, 0, None), material("c", 0, None, 2)),
+        material("not by images", 0, None, None) | {"extensions": {"KHR_materials_unlit": {}}},
+    ]
+    numbers = {"a": 4, "b": 0, "c": 2, "not by images": 1}
+    found = move_images(glb, numbers, {0, 2, 4}, tmp_path / "Vase")
+    assert all([each.texture for each in row] == [*IMAGE_TEXTURES] for row in found.values())
+    names = {number: [each.file.split(".")[2] for each in row] for number, row in found.items()}
+    assert names == {
+        4: ["Rust_1", "rust_1_2", "image"],
+        0: ["Rust_1_3", "Rust_1_4", "flat"],
+        2: ["Rust_1", "white", "image"],
+    }
+    files = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    assert files["Vase.image.Rust_1.png"] == files["Vase.image.Rust_1_4.png"] == b"\0"
+    assert files["Vase.image.rust_1_2.jpg"] == b"\1"
+    assert found[0][0].wrap == EXTEND
+    flat = np.asarray(PilImage.open(tmp_path / "Vase.image.flat.png"))
+    assert np.abs(flat.astype(int) - [128, 128, 255]).max() <= 1
+    assert document["textures"] == [{"source": 0, "sampler": 0}]
+    assert [each["name"] for each in document["images"]] == ["Rust/1.png"]
+    assert document["extensionsUsed"] == ["KHR_materials_unlit"]

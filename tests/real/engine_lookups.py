@@ -4,8 +4,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -13,14 +13,16 @@ from radtex_addon.core.arrangements import fitting_pages
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.frame import normalised, orthonormal_frame, to_frame
 from radtex_addon.core.sampler import Filter, sample
+from radtex_addon.export.image_files import BUMP
 from radtex_addon.forms.buckets.hlsl import buckets_lookup
 from radtex_addon.forms.hlsl_lookup import HlslLookup
+from radtex_addon.forms.layered.files.arrangement import OF_IMAGES
 from radtex_addon.forms.layered.hlsl import layered_lookup
 from radtex_addon.forms.layered.shader_values import FULL, shader_facts
 from radtex_addon.forms.sphere.hlsl import sphere_lookup
 from radtex_addon.textures.entry import Arranged
 from radtex_addon.textures.export_spec import Target
-from tests.layered_lookups import Case, case_of, off
+from tests.layered_lookups import Case, ImageCase, case_of, image_case, off
 from tests.lookups import COUNT, LAYOUT, random_atlas, random_lookups, relative_error
 from tests.real.engines import Mesh, entry, mesh_of
 from tests.real.webgpu import Texture, image
@@ -37,7 +39,7 @@ class Asked:
     """A lookup, its textures in their order, a mesh, and towards the viewers, in the bake's world.
 
     `error` says how far off what was found with each material is, (K, 4), on average and at most; both must
-    be below `within`.
+    be below `within`. `images` are those that materials are shown by, by number, as the engine has them.
     """
 
     lookup: HlslLookup
@@ -47,6 +49,18 @@ class Asked:
     materials: int
     error: Callable[[list[Floats]], tuple[float, float]]
     within: tuple[float, float]
+    images: Mapping[int, tuple[Texture, ...]] = field(default_factory=dict)
+
+    def textures_of(self, material: int) -> list[Texture]:
+        """Those that are read for a material."""
+        read = self.lookup.textures_of(material)
+        known = zip(self.lookup.textures, self.textures, strict=True)
+        return [*(texture for name, texture in known if name in read), *self.images.get(material, ())]
+
+    @property
+    def uv_sets(self) -> int:
+        """How many sets of uv the mesh has."""
+        return sum(name.startswith("TEXCOORD") for name in self.mesh.attributes)
 
 
 def buckets(target: Target, paged: bool = False) -> Asked:
@@ -145,6 +159,51 @@ def layered(target: Target, name: str) -> Asked:
     )
 
 
+def by_images(target: Target, name: str) -> Asked:
+    """The same, its materials shown by images: Unity has the rows from the bottom, Unreal from the top."""
+    shown = image_case(name, packed=True)
+    case = shown.case
+    facts = shader_facts(case.sidecar, case.stored, FULL)
+    for number, each in enumerate(facts["materials"]):
+        each["radtex_images"] = shown.looks[number].rows
+    facts["layers"] = [layer for layer in facts["layers"] if layer not in OF_IMAGES]  # none is left to read
+    about = {layer: entry(_size(levels)) for layer, levels in case.textures.items()}
+    fields = {name: values.astype(float) for name, values in case.fields.items()}
+    normal, tangent = fields["normals"], fields["tangents"]
+    side = np.sign((fields["bitangents"] * np.cross(normal, tangent)).sum(axis=1))
+    mesh = mesh_of(
+        *(fields["uvs"], fields["positions"], normal, tangent, side, target, (1.2, -0.8, 1.5), shown.place)
+    )
+    lookup = layered_lookup(facts, about, target)
+    layers = [texture.removeprefix("radtex_").removesuffix("_map") for texture in lookup.textures]
+    return Asked(
+        lookup,
+        [image(*case.textures[layer]) for layer in layers],
+        mesh,
+        fields["viewers"],
+        len(case.sidecar.materials),
+        lambda found: _image_error(shown, found),
+        (3e-3, 0.05),
+        dict.fromkeys(lookup.of_images, tuple(imported(*each, target) for each in shown.images.items())),
+    )
+
+
+def imported(texture: str, pixels: Floats, target: Target) -> Texture:
+    """An image (H, W, 3), linear, row 0 below, as an engine has it: a normal map in DXT5nm or in BC5."""
+    rows = pixels if target is Target.UNITY else pixels[::-1]
+    if texture != BUMP:
+        return image(rows.astype(np.float16))
+    x, y = rows[..., 0], rows[..., 1]
+    none, full = np.zeros_like(x), np.ones_like(x)
+    channels = (full, y, none, x) if target is Target.UNITY else (x, y, none, full)
+    return image(np.stack(channels, axis=-1).astype(np.float16))
+
+
+def _image_error(shown: ImageCase, found: list[Floats]) -> tuple[float, float]:
+    wrong = off(shown.case.by_material(lambda number: found[number]), shown.answers())
+    return float(wrong.mean()), float(wrong.max())
+
+
 def _places() -> Floats:
     """Where the vertices of a mesh are whose light does not depend on it, (K, 3)."""
     return np.random.default_rng(4).uniform(-1, 1, (COUNT, 3))
@@ -164,5 +223,6 @@ FORMS: dict[str, Callable[[Target], Asked]] = {
     "buckets in pages": lambda target: buckets(target, paged=True),
     "transfer": relit,
     "layered": lambda target: layered(target, "made up"),
+    "layered, by images": lambda target: by_images(target, "everything, in ranges"),
     "layered, light comes through": lambda target: layered(target, "everything, in ranges"),
 }

@@ -114,9 +114,11 @@ def mesh_of(
     side: Floats,
     target: Target,
     scale: tuple[float, float, float] = (1.2, 0.8, 1.5),
+    image_uv: Floats | None = None,
 ) -> Mesh:
     """A mesh whose vertices have these values in the world of the bake, and v growing upwards.
 
+    With `image_uv`, materials are shown by their own images, at these coordinates.
     Its node is turned, moved and scaled, so that none of these is in the space of the file.
     """
     node = {"mesh": 0, "rotation": list(_TURN), "scale": list(scale), "translation": [0.3, -0.7, 1.1]}
@@ -128,8 +130,10 @@ def mesh_of(
         "POSITION": (position - baked[:, 3]) @ turned.T,
         "NORMAL": normal @ baked[:, :3],  # the inverse's inverse, transposed
         "TANGENT": np.column_stack([tangent @ turned.T, side * mirrored]),
-        "TEXCOORD_0": np.column_stack([uv[:, 0], 1 - uv[:, 1]]),
     }
+    sets = [uv] if image_uv is None else [image_uv, uv]
+    for number, each in enumerate(sets):
+        values[f"TEXCOORD_{number}"] = np.column_stack([each[:, 0], 1 - each[:, 1]])
     (primitive,) = document["meshes"][0]["primitives"]
     primitive["attributes"] = {name: glb.add_vertices(array) for name, array in values.items()}
     triangles = np.arange(len(uv) // 3 * 3, dtype="<u4")

@@ -356,15 +356,17 @@ void main() {
 
 
 @pytest.mark.parametrize("version", VERSIONS)
-@pytest.mark.parametrize("name", ["made up", "clear", "opaque, in ranges"])
+@pytest.mark.parametrize("name", ["made up", "clear", "opaque, in ranges", "everything"])
 def test_materials_of_images_agree(context: moderngl.Context, version: str, name: str) -> None:
+    """Also where light comes through other materials of the bake."""
     of_images = image_case(name)
     case = of_images.case
-    names = set(definitions(case.sidecar, FULL)) - {"RADTEX_TINT", "RADTEX_NORMAL", "RADTEX_THROUGH"}
+    names = set(definitions(case.sidecar, FULL)) - {"RADTEX_TINT", "RADTEX_NORMAL"}
     told = {name: value for name, value in definitions(case.sidecar, FULL).items() if name in names}
     told |= {"RADTEX_IMAGES": 1, "RADTEX_NO_DERIVATIVES": 1}
     head = "".join(f"#define {key} {value}\n" for key, value in told.items())
-    text = (SHADERS / "radtex_layered.glsl").read_text(encoding="utf-8")
+    stems = ("radtex_layered", *(["radtex_layered_through"] if case.through else []))
+    text = "".join((SHADERS / f"{stem}.glsl").read_text(encoding="utf-8") for stem in stems)
     program = compiled(context, VERSIONS[version], head + text + BY_IMAGES)
     textures = layered_textures(context, case, layers_read(case.sidecar, FULL))
     textures |= {key: mipmapped(context, [each], moderngl.LINEAR) for key, each in of_images.images.items()}

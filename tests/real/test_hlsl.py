@@ -20,6 +20,7 @@ from radtex_addon.forms.layered.shader_values import (
     BAKE_BUFFER,
     DEFAULT,
     FULL,
+    IMAGES_BUFFER,
     MATERIAL_BUFFER,
     THROUGH_BUFFER,
     LookupCost,
@@ -29,7 +30,7 @@ from radtex_addon.forms.layered.shader_values import (
     definitions,
     material_values,
 )
-from tests.layered_lookups import Case, assert_agrees, case_of, off
+from tests.layered_lookups import Case, ImageCase, assert_agrees, case_of, image_case, off
 from tests.lookups import (
     COUNT,
     LAYOUT,
@@ -244,13 +245,17 @@ LAYERED = """
 SamplerState filtering : register(s0);
 #define RADTEX_SAMPLER filtering
 #include "%s.hlsl"
-Texture2DArray fields : register(t16);
+Texture2DArray fields : register(t20);
 float4 main(float4 at : SV_Position) : SV_Target {
     int2 here = int2(at.xy);
     float2 uv = fields.Load(int4(here, 0, 0)).xy;
     float3 position = fields.Load(int4(here, 1, 0)).xyz;
     float3 N = fields.Load(int4(here, 2, 0)).xyz, V = fields.Load(int4(here, 3, 0)).xyz;
-#ifdef RADTEX_THROUGH
+#ifdef RADTEX_IMAGES
+    float3 T = fields.Load(int4(here, 4, 0)).xyz, B = fields.Load(int4(here, 5, 0)).xyz;
+    float2 place = fields.Load(int4(here, 6, 0)).xy;
+    return float4(radtex_layered_images(uv, place, position, T, B, N, V), 1.0);
+#elif defined(RADTEX_THROUGH)
     float3 T = fields.Load(int4(here, 4, 0)).xyz, B = fields.Load(int4(here, 5, 0)).xyz;
     return float4(radtex_layered_through(uv, position, N, V, T, B), 1.0);
 #else
@@ -260,8 +265,10 @@ float4 main(float4 at : SV_Position) : SV_Target {
 """
 
 
-def run_layered(root: Root, compiler: str, defines: str, case: Case, cost: LookupCost) -> Floats:
-    """The shader's answers, (N, 3) float32."""
+def run_layered(
+    root: Root, compiler: str, defines: str, case: Case, cost: LookupCost, shown: ImageCase | None = None
+) -> Floats:
+    """The shader's answers, (N, 3) float32; materials are `shown` by images of their own."""
     assert set(TEXTURES) == set(CHANNELS)
     for name, value in definitions(case.sidecar, cost).items():
         defines += f"#define {name} {value}\n"
@@ -271,16 +278,21 @@ def run_layered(root: Root, compiler: str, defines: str, case: Case, cost: Looku
         "s0": Sampler("linear"),
         "b0": packed(values, BAKE_BUFFER),
         "b2": packed(values, THROUGH_BUFFER),
-        "t16": fields(SIDE, *case.fields.values()),
+        "t20": fields(SIDE, *case.fields.values(), *([shown.place] if shown else [])),
     }
     for k, layer in enumerate(TEXTURES):
         if layer in case.textures:
             levels = case.textures[layer]
             resources[f"t{k}"] = image(*(level[::-1] if TOP_DOWN in defines else level for level in levels))
+    for k, own in enumerate(shown.images.values() if shown else (), len(TEXTURES)):
+        resources[f"t{k}"] = image(own.astype(np.float16))
 
     def with_material(number: int) -> Floats:
-        of_material = packed(material_values(case.sidecar, number, cost), MATERIAL_BUFFER)
-        return looked_up(root, compiler, source, resources | {"b1": of_material}, SIDE)
+        values = material_values(case.sidecar, number, cost)
+        if shown:
+            values["radtex_images"] = shown.looks[number].rows
+        bound = {"b1": packed(values, MATERIAL_BUFFER), "b3": packed(values, IMAGES_BUFFER)}
+        return looked_up(root, compiler, source, resources | bound, SIDE)
 
     return case.by_material(with_material)
 
@@ -299,6 +311,18 @@ def test_the_layered_layout_agrees_with_the_reference(
 ) -> None:
     case = case_of(name)
     assert_agrees(f"{compiler}, {name}", run_layered(root, compiler, defines, case, FULL), case)
+
+
+@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize(
+    ("name", "two_channels"), [("made up", False), ("clear", True), ("everything, in ranges", True)]
+)
+def test_materials_of_images_agree(root: Root, compiler: str, name: str, two_channels: bool) -> None:
+    """Also where light comes through other materials of the bake."""
+    shown = image_case(name, two_channels)
+    defines = "#define RADTEX_IMAGES\n" + "#define RADTEX_PACKED_BUMP\n" * two_channels
+    found = run_layered(root, compiler, defines, shown.case, FULL, shown)
+    assert_agrees(f"{compiler}, {name}, by images", found, shown)
 
 
 def test_thrift_changes_little_of_the_layered_layout(root: Root) -> None:

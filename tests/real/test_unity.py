@@ -25,6 +25,7 @@ from radtex_addon.export.unity_unreal import baked_matrix
 from radtex_addon.formats.containers.dds import write_texture
 from radtex_addon.formats.containers.glb import Glb
 from radtex_addon.formats.containers.texture import PixelFormat, Texture, encode_texture
+from radtex_addon.forms.hlsl_lookup import IMAGE_TEXTURES
 from radtex_addon.textures.export_spec import ExportSpec, Target
 from tests.lookups import COUNT, SIDE
 from tests.real.engine_lookups import FORMS, SUN, Asked
@@ -72,6 +73,9 @@ float4 main(float4 at : SV_Position) : SV_Target {
     v.tangent_z_side = float2(b.w, c.x);
     v.normal_xy = c.yz;
     v.normal_z = float2(c.w, 0.0);
+#ifdef RADTEX_IMAGE_UVS
+    v.image_uv = emulated_fields.Load(int4(here, 4, 0)).xy;
+#endif
     return radtex_seen(radtex_vertex(v));
 }
 """
@@ -135,9 +139,10 @@ def drawn(compilers: Compilers, compiler: str, asked: Asked, code: str, far: Flo
     place = seen["POSITION"].astype(float) @ object_to_world[:3, :3].T + far + towards
     if relative:
         place = far - place  # of the object, as HDRP's matrices have it
-    values = np.column_stack([seen["POSITION"], *(seen[f"TEXCOORD_{k}"] for k in range(5))])[:, :12]
+    sets = [seen[f"TEXCOORD_{k}"] for k in range(asked.uv_sets)]
+    values = np.column_stack([seen["POSITION"], *sets[-5:]])[:, :12]
     resources: dict[str, Resource] = {
-        "t20": fields(SIDE, *np.split(values, 3, axis=1), place),
+        "t20": fields(SIDE, *np.split(values, 3, axis=1), place, *sets[:-5]),
         "b0": np.stack([object_to_world, world_to_object]).astype(np.float32),
         "s0": Sampler("linear"),
     }
@@ -149,10 +154,17 @@ def drawn(compilers: Compilers, compiler: str, asked: Asked, code: str, far: Flo
     for k, (name, texture) in enumerate(zip(asked.lookup.textures, asked.textures, strict=True)):
         code = re.sub(rf"^(Texture\w+ {name});", rf"\1 : register(t{k});", code, flags=re.MULTILINE)
         resources[f"t{k}"] = texture
+    for k, name in enumerate(IMAGE_TEXTURES if asked.images else ()):
+        declared = f"Texture2D {name}; SamplerState sampler{name};"
+        assert code.count(declared) == 1
+        bound = f"Texture2D {name} : register(t{24 + k}); SamplerState sampler{name} : register(s{1 + k});"
+        code = code.replace(declared, bound)
+        resources[f"s{1 + k}"] = Sampler("linear")
     found = []
     for number in range(asked.materials):
         keyword = f"#define RADTEX_MATERIAL_{number}\n" if number else ""
-        found.append(shown(compilers, compiler, keyword + code + DRAW, resources, SIDE))
+        own = {f"t{24 + k}": texture for k, texture in enumerate(asked.images.get(number, ()))}
+        found.append(shown(compilers, compiler, keyword + code + DRAW, resources | own, SIDE))
     return found
 
 

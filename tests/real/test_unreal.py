@@ -27,10 +27,11 @@ from radtex_addon.export.targets.unreal import (
     reads_places,
     script_words,
     texture_input,
+    uv_sets,
 )
 from radtex_addon.export.unity_unreal import baked_matrix
 from radtex_addon.formats.containers.glb import Glb
-from radtex_addon.forms.hlsl_lookup import HlslLookup
+from radtex_addon.forms.hlsl_lookup import IMAGE_TEXTURES, HlslLookup
 from radtex_addon.textures.export_spec import ExportSpec, Target
 from tests.lookups import COUNT, SIDE
 from tests.real.engine_lookups import FORMS, SUN, Asked
@@ -47,7 +48,7 @@ SWAPPED = np.array([[1, 0, 0], [0, 0, 1], [0, 1, 0]])  # from glTF's axes to Unr
 FUNCTION = """
 #define PIXELSHADER {pixel}
 {textures}
-Texture2DArray emulated_fields : register(t20);
+Texture2DArray emulated_fields : register(t24);
 SamplerState emulated_sampler : register(s0);
 cbuffer Emulated : register(b0) {{ float4 emulated_sun, emulated_irradiance; }};
 float4 CustomExpression0({arguments}) {{
@@ -61,6 +62,7 @@ float4 main(float4 at : SV_Position) : SV_Target {{
     float4 a = emulated_fields.Load(int4(here, 0, 0)), b = emulated_fields.Load(int4(here, 1, 0));
     float4 c = emulated_fields.Load(int4(here, 2, 0)), d = emulated_fields.Load(int4(here, 3, 0));
     float2 UV0 = float2(a.w, b.x), UV1 = b.yz, UV2 = float2(b.w, c.x), UV3 = c.yz, UV4 = float2(c.w, d.w);
+    float2 UV5 = emulated_fields.Load(int4(here, 4, 0)).xy;
     float3 Viewer = d.xyz, Place = a.xyz, Sun = emulated_sun.xyz, Irradiance = emulated_irradiance.xyz;
     return 0.5 * (CustomExpression0({given}) + CustomExpression1({given}));
 }}
@@ -75,18 +77,19 @@ def asked_of(form: str) -> Asked:
 def function(asked: Asked, material: int, pixel: int = 1) -> str:
     """A shader around a Custom node's code."""
     code = custom_text("Made up", "import_made_up.py", asked.lookup, asked.mesh.baked, material)
-    return around(code, asked.lookup, pixel)
+    return around(code, asked.lookup, pixel, material)
 
 
-def around(code: str, lookup: HlslLookup, pixel: int = 1) -> str:
-    """A shader around the code of a Custom node."""
-    kinds = {f"UV{k}": "float2" for k in range(5)} | {"Viewer": "float3"}
+def around(code: str, lookup: HlslLookup, pixel: int = 1, material: int = 0) -> str:
+    """A shader around the code of a material's Custom node."""
+    kinds = {f"UV{k}": "float2" for k in range(uv_sets(lookup))} | {"Viewer": "float3"}
     if reads_places(lookup):
         kinds["Place"] = "float3"
     if lookup.relit:
         kinds |= {"Sun": "float3", "Irradiance": "float3"}
     arguments = [f"{kind} {name}" for name, kind in kinds.items()]
-    inputs = [texture_input(name) for name in lookup.textures]
+    shown = IMAGE_TEXTURES if material in lookup.of_images else ()
+    inputs = [texture_input(name) for name in (*lookup.textures_of(material), *shown)]
     return FUNCTION.format(
         pixel=pixel,
         textures="\n".join(f"Texture2D T{name} : register(t{k});" for k, name in enumerate(inputs)),
@@ -104,16 +107,19 @@ def drawn(compilers: Compilers, asked: Asked) -> list[Floats]:
     to_local = SWAPPED @ np.linalg.inv(asked.mesh.baked[:, :3])
     viewer = asked.viewers @ to_local.T
     viewer /= np.linalg.norm(viewer, axis=1, keepdims=True)  # CameraVectorWS is a unit vector
-    values = np.column_stack([seen["POSITION"], *(seen[f"TEXCOORD_{k}"] for k in range(5))])
+    sets = [seen[f"TEXCOORD_{k}"] for k in range(asked.uv_sets)]
+    values = np.column_stack([seen["POSITION"], *sets[:5]])
     *three, last = np.split(values, [4, 8, 12], axis=1)
     resources: dict[str, Resource] = {
-        "t20": fields(SIDE, *three, np.column_stack([viewer, last])),
+        "t24": fields(SIDE, *three, np.column_stack([viewer, last[:, :1]]), *sets[5:]),
         "s0": Sampler("linear"),
         "b0": np.array([*(to_local @ SUN), 0, *IRRADIANCE, 0], np.float32),
     }
-    resources |= {f"t{k}": texture for k, texture in enumerate(asked.textures)}
-    codes = (function(asked, number) for number in range(asked.materials))
-    return [shown(compilers, "dxc", code, resources, SIDE) for code in codes]
+    found = []
+    for number in range(asked.materials):
+        read = {f"t{k}": texture for k, texture in enumerate(asked.textures_of(number))}
+        found.append(shown(compilers, "dxc", function(asked, number), resources | read, SIDE))
+    return found
 
 
 @pytest.mark.parametrize("form", FORMS_TAKEN)
@@ -189,9 +195,11 @@ def test_the_script_opens_no_file_elsewhere(tmp_path: Path) -> None:
     asked = asked_of("layered")
     words = script_words("Vase", "radiance", "Vase.glb", asked.lookup, {"Vase": "Vase.custom.hlsl"})
     words |= {"CLEAR": "True", "TWO_SIDED": "False"}
-    for key in ("MESH", "TEXTURES", "MATERIALS"):
-        for name in elsewhere({"MESH": ".glb", "TEXTURES": ".dds", "MATERIALS": ".hlsl"}[key]):
+    endings = {"MESH": ".glb", "TEXTURES": ".dds", "MATERIALS": ".hlsl", "IMAGES": ".png"}
+    for key, ending in endings.items():
+        for name in elsewhere(ending):
             evil = {"MESH": name, "TEXTURES": [("Atlas", name, False)], "MATERIALS": [("Vase", name)]}
+            evil["IMAGES"] = [("Rust", name, "Base", "WRAP")]
             script = tmp_path / "import.py"
             text = filled(TEMPLATES / SCRIPT, words | {key: repr(evil[key])})
             script.write_text(text, encoding="utf-8")

@@ -34,6 +34,7 @@ PROPERTIES = {
     "Texture2D": {
         *("compression_settings", "srgb", "mip_gen_settings", "filter", "address_x", "address_y"),
         *("never_stream", "virtual_texture_streaming", "power_of_two_mode", "max_texture_size"),
+        "flip_green_channel",
     },
     "StaticMesh": {"static_materials"},
     "StaticMaterial": {"material_slot_name"},
@@ -55,17 +56,17 @@ PROPERTIES = {
     "MaterialFactoryNew": set[str](),
 }
 ENUMS = {
-    "TextureCompressionSettings": {"TC_HDR"},
+    "TextureCompressionSettings": {"TC_HDR", "TC_BC7", "TC_NORMALMAP"},
     "TextureMipGenSettings": {"TMGS_LEAVE_EXISTING_MIPS", "TMGS_NO_MIPMAPS"},
-    "TextureFilter": {"TF_TRILINEAR"},
-    "TextureAddress": {"TA_CLAMP"},
+    "TextureFilter": {"TF_TRILINEAR", "TF_DEFAULT"},
+    "TextureAddress": {"TA_CLAMP", "TA_WRAP", "TA_MIRROR"},
     "TexturePowerOfTwoSetting": {"NONE"},
     "MaterialShadingModel": {"MSM_UNLIT"},
     "BlendMode": {"BLEND_ALPHA_COMPOSITE", "BLEND_OPAQUE"},
     "MaterialVectorCoordTransformSource": {"TRANSFORMSOURCE_WORLD"},
     "MaterialVectorCoordTransform": {"TRANSFORM_LOCAL"},
     "MaterialPositionTransformSource": {"TRANSFORMPOSSOURCE_WORLD", "TRANSFORMPOSSOURCE_LOCAL"},
-    "MaterialSamplerType": {"SAMPLERTYPE_LINEAR_COLOR"},
+    "MaterialSamplerType": {"SAMPLERTYPE_LINEAR_COLOR", "SAMPLERTYPE_COLOR", "SAMPLERTYPE_NORMAL"},
     "CustomMaterialOutputType": {"CMOT_FLOAT4"},
     "MaterialProperty": {"MP_EMISSIVE_COLOR", "MP_OPACITY"},
 }

@@ -164,7 +164,11 @@ class Buckets:
         return None
 
     def hlsl(
-        self, bake: Mapping[str, Any], textures: Mapping[str, TextureEntry], target: Target
+        self,
+        bake: Mapping[str, Any],
+        textures: Mapping[str, TextureEntry],
+        target: Target,
+        images: bool = False,
     ) -> HlslLookup:
         return buckets_lookup(bake, textures, target)
 

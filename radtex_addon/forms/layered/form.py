@@ -171,9 +171,13 @@ class Layered:
         return exported_facts(bake, textures, images)
 
     def hlsl(
-        self, bake: Mapping[str, Any], textures: Mapping[str, TextureEntry], target: Target
+        self,
+        bake: Mapping[str, Any],
+        textures: Mapping[str, TextureEntry],
+        target: Target,
+        images: bool = False,
     ) -> HlslLookup:
-        return layered_lookup(exported_facts(bake, textures), textures, target)
+        return layered_lookup(exported_facts(bake, textures, images), textures, target)
 
 
 def _most_shapes(texels: int) -> Shapes:

@@ -41,6 +41,7 @@ from .files.arrangement import (
 )
 from .files.sidecar import LayeredSidecar
 from .lookup.environment import MOST_LAMPS
+from .lookup.images import ROWS
 from .lookup.lobes import STEPS, Material
 
 Values = dict[str, list[float] | list[list[float]]]
@@ -66,6 +67,7 @@ class Stored:
     mean: float = 0.0
 
 
+IMAGES = "radtex_images"  # of the values of a material, where its own images can show it
 CLEAR_ALPHA = (OWN, PLANE, THINGS)
 
 
@@ -101,6 +103,7 @@ BAKE_BUFFER = {
     "radtex_lamp_light": MOST_LAMPS,
 }
 MATERIAL_BUFFER = {"radtex_material": STEPS, "radtex_lobes": 2 * STEPS, "radtex_gloss": 1}
+IMAGES_BUFFER = {IMAGES: ROWS}  # of a material by its own images; in HLSL alone
 THROUGH_BUFFER = {
     "radtex_exit_direction_range": 1,
     "radtex_exit_place_range": 1,
@@ -235,7 +238,7 @@ def material_values(sidecar: LayeredSidecar, number: int, cost: LookupCost = DEF
         values["radtex_gloss"] = [_row([0] * 4 if gloss is None else [*gloss.colour, gloss.width])]
     look = sidecar.every_look[number]
     if look is not None:
-        values["radtex_images"] = _rows(np.array(look.rows))
+        values[IMAGES] = _rows(np.array(look.rows))
     return values
 
 

@@ -202,7 +202,11 @@ class Sphere(Buckets):
         return [*defines(textures[bake["kind"]]), f"{lookup}, L being the light's direction"]
 
     def hlsl(
-        self, bake: Mapping[str, Any], textures: Mapping[str, TextureEntry], target: Target
+        self,
+        bake: Mapping[str, Any],
+        textures: Mapping[str, TextureEntry],
+        target: Target,
+        images: bool = False,
     ) -> HlslLookup:
         return sphere_lookup(bake, textures, target)
 

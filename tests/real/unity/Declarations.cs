@@ -151,6 +151,7 @@ namespace UnityEditor
         public bool mipmapEnabled { get; set; }
         public TextureWrapMode wrapMode { get; set; }
         public FilterMode filterMode { get; set; }
+        public int anisoLevel { get; set; }
         public TextureImporterCompression textureCompression { get; set; }
         public int maxTextureSize { get; set; }
         public TextureImporterPlatformSettings GetDefaultPlatformTextureSettings() { return null; }
