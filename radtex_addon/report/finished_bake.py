@@ -78,6 +78,7 @@ class Finished:
             seed=bake.seed,
             capture=parse_capture(bake.capture),
             uv_layer=None if self.unwrapped else bake.uv_map,
+            texel_weights=bake.texel_weights or None,
             compression=self.compression or Compression.ZIP,
             device=device,
             source=None if source is None else source.object_name,

@@ -62,7 +62,7 @@ def find_mesh(
     unwrap method with the `options`. Returns the first layer that fits for sure, else the best one that may
     fit. Yields progress. Raises InputError if no layer fits, or if what it was baked from is missing.
     """
-    evaluated = evaluate(scratch, original)
+    evaluated = evaluate(scratch, original, bake.sidecar.texel_weights or None)
     (evaluated,) = all_once([evaluated], [find_once(evaluated)])
     if bake.form.traits.backs and bake.unwrapped:
         evaluated = with_twins(evaluated, seen_from_behind(evaluated))

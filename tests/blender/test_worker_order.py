@@ -81,6 +81,7 @@ SPECS = {
     "what is near": BakeSpec(kind=Kind.AO, ao_distance=0.25, device="cpu"),
     "a view": BakeSpec(kind=Kind.TRANSFER, view=View.CAMERA, device="cpu"),
     "a density": BakeSpec(density=1500.5, device="cpu"),
+    "painted weights": BakeSpec(texel_weights="-More, here", device="cpu"),
     "a frame": BakeSpec(frame=7, unwrap_at=1, device="cpu"),
     "objects in one atlas": BakeSpec(objects=("--Vase", "Cup"), device="cpu"),
     "a part": BakeSpec(split=Split.UDIM, uv_layer="Layer", part="1002", device="cpu"),
