@@ -2,9 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How long the renders of a layered bake typically take, for estimates and for even progress.
 
-Seconds of a 2-core machine of 2026: half of the processor's time, of the demo's head, of a glossy floor among
-lamps, and of an asset of several parts with textures, at 64 and 96 texels. What does not depend on the texels
-is not among them.
+Seconds of the processor, measured of the demo's head, of a glossy floor among lamps, of a glass torus, and of
+an asset of several parts with textures, at 64 and 96 texels.
 """
 
 from __future__ import annotations
@@ -17,12 +16,12 @@ from .rays import LayeredRays
 OWN_RAYS = 400  # of a texel, of what it sees of the object itself, where its atlas is not very large
 
 # Seconds of a texel.
-_MAPS = 6e-5
-_GLOSS = 8e-5  # roughness, of an object on which it varies
-_EXITS = 1e-3  # of an object that lets light through
-_MISLED = 4.3e-4  # mirror rays that the pictures of the surroundings would show wrongly
+_MAPS = 1e-4
+_GLOSS = 1.7e-4  # roughness, of an object on which it varies
+_EXITS = 1.3e-3  # of an object that lets light through
+_MISLED = 8.6e-4  # mirror rays that the pictures of the surroundings would show wrongly
 # Seconds of a path of a texel.
-_LIGHT, _ENDS, _OWN = 4.5e-6, 4.2e-6, 0.72e-6
+_LIGHT, _ENDS, _OWN = 4.5e-6, 4.2e-6, 1.4e-6
 _AROUND = 9.0  # seconds of the pictures of the surroundings
 
 
@@ -53,7 +52,7 @@ class LayeredTimes:
     def around(self) -> Mapping[str, float]:
         """Pictures of the surroundings, and which mirror rays they would show wrongly."""
         pictures = _AROUND * (0.045 + 0.955 * self.surroundings**2)
-        return {"pictures": pictures, "misled": 0.2 + self.texels * _MISLED}
+        return {"pictures": pictures, "misled": 0.3 + self.texels * _MISLED}
 
     @property
     def around_clear(self) -> Mapping[str, float]:
