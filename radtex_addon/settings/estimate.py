@@ -192,7 +192,7 @@ def _capture_seconds(work: BakeWork) -> float:
     kind = Kind(work.kind)
     light = kind.traits.light
     if work.by_paths:
-        return 0.5 + sum(LayeredTimes(work.covered, LayeredRays.of(work.samples)).capture.values())
+        return 0.7 + sum(LayeredTimes(work.covered, LayeredRays.of(work.samples)).capture.values())
     if light is Light.RESPONSE:  # a render for each sun
         return 0.4 + work.bucket**2 * 0.03 + 4e-6 * work.cells * work.samples
     if light is Light.OCCLUSION:
