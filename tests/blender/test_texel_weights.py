@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -20,8 +21,11 @@ from radtex_addon.core.islands import find_overlap, signed_areas, surface_areas
 from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.job import bake_object
 from radtex_addon.job.changed_bakes import BakeState, changes
-from radtex_addon.prepare.unwrapping import unwrap_surfaces
+from radtex_addon.prepare.unwrapping import unwrap_options, unwrap_surfaces
+from radtex_addon.report.finished_bake import read_bake
+from radtex_addon.report.mesh import find_mesh
 from radtex_addon.scene.mesh.evaluated import EvaluatedMesh, evaluate
+from radtex_addon.scene.objects import find_object
 from radtex_addon.scene.scratch import scratch_scene
 from radtex_addon.scene.uv.painted_sizes import times_as_many
 from radtex_addon.settings.spec import BakeSpec, Unwrap
@@ -202,3 +206,17 @@ def test_a_group_that_nothing_has_is_refused_and_one_that_others_have_is_told(
 def test_weights_without_a_name_or_for_a_layer_of_ones_own_are_refused(fields: dict[str, str]) -> None:
     with pytest.raises(InputError, match="texel weights"):
         BakeSpec(**fields)  # type: ignore[arg-type]  # the fields are texts
+
+
+def test_a_report_unwraps_again_as_it_was_painted(out: Path) -> None:
+    """There is no preview: the layer is made anew, and has to fit the atlas."""
+    item = paint(ball(), 1.0, above)
+    spec = BakeSpec(texels=64, bucket=2, samples=1, texel_weights=GROUP)
+    bake = read_bake(bake_object(context.scene, item.name, spec, out).files.sidecar)
+    for weight, fits in ((1.0, True), (0.0, False)):
+        paint(item, weight, above)
+        with scratch_scene(context.scene) as scratch:
+            options = unwrap_options(bake.spec("cpu"), 1.0)
+            steps = find_mesh(scratch, find_object(scratch, item.name), bake, options)
+            with nullcontext() if fits else pytest.raises(InputError, match="does not fit"):
+                finished(steps)
