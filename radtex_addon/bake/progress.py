@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Mapping
 from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import closing
 from dataclasses import dataclass
@@ -42,6 +42,30 @@ class Progress:
     stage: Stage
     done: int
     total: int
+
+
+@dataclass(frozen=True)
+class StageParts:
+    """A stage of several parts, in order, with the seconds that each typically takes.
+
+    Its units are milliseconds of these, so that its progress is even.
+    """
+
+    stage: Stage
+    seconds: Mapping[str, float]
+
+    def at(self, part: str, share: float = 0.0) -> Progress:
+        """A `share` of the part is done, and all before it."""
+        names = list(self.seconds)
+        before = sum(self.seconds[name] for name in names[: names.index(part)])
+        return self._progress(before + share * self.seconds[part])
+
+    def end(self) -> Progress:
+        """All parts are done."""
+        return self._progress(sum(self.seconds.values()))
+
+    def _progress(self, seconds: float) -> Progress:
+        return Progress(self.stage, round(1000 * seconds), max(1, round(1000 * sum(self.seconds.values()))))
 
 
 Steps: TypeAlias = Generator[Progress, None, _Result]  # work that yields its progress and returns a result

@@ -39,8 +39,14 @@ def run_report(request: ReportRequest, report: Report, interruption: Interruptio
 def _summary(result: ReportResult) -> str:
     flip = "" if result.flip is None else f", FLIP {result.flip:.3f}"
     floor = f"path tracing to itself {result.floor:.1f} dB"
-    found = f"{result.verdict} Energy {result.energy:.3f}{flip}, {floor}."
+    found = f"{result.verdict} Energy {result.energy:.3f}{flip}, {floor}.{_worst(result)}"
     return found if result.first_change is None else f"{found} {result.first_change}"
+
+
+def _worst(result: ReportResult) -> str:
+    for name, part in result.parts.items():
+        return f" The worst of its {len(result.parts)} objects is '{name}': {part.mean.psnr:.1f} dB."
+    return ""
 
 
 def _facts(result: ReportResult) -> dict[str, object]:
@@ -53,4 +59,12 @@ def _facts(result: ReportResult) -> dict[str, object]:
         "bytes": {"disk": result.disk, "gpu": result.gpu},
         "lost": {name: round(value, 3) for name, value in result.lost.items()},
         "first_change": result.first_change,
+        "parts": {
+            name: {
+                "psnr": round(part.mean.psnr, 3),
+                "flip": None if part.mean.flip is None else round(part.mean.flip, 4),
+                "energy": round(part.mean.energy, 4),
+            }
+            for name, part in result.parts.items()
+        },
     }

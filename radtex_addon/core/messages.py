@@ -53,6 +53,7 @@ class Setting(StrEnum):
     SHEET = "size of pictures"
     SPLIT = "split"
     TEXELS = "texels"
+    TEXEL_WEIGHTS = "texel weights"
     TOGETHER = "name of the atlas"
     UNWRAP = "unwrap"
     UV = "UV layer"

@@ -93,6 +93,7 @@ class Sidecar:
     its atlas, to go on after "the map …", and is empty if it does not. The `fingerprint` tells what was
     baked, None if unknown. `marks`: keys that are there, and true, such as "alone" (`settings.option.Mark`).
     `blend` is the name of the .blend that was baked, without its folder, empty if it was never saved.
+    `texel_weights` is the vertex group that told the unwrap where more or fewer texels go, empty if none did.
     """
 
     object_name: str
@@ -125,6 +126,7 @@ class Sidecar:
     fingerprint: Fingerprint | None = None
     marks: tuple[str, ...] = ()
     blend: str = ""
+    texel_weights: str = ""
 
     @property
     def surfaces(self) -> tuple[str, ...]:
@@ -176,6 +178,7 @@ class Sidecar:
             "islands": self.islands,
             "coverage": self.coverage,
             "texel_density": density and {"asked": density.asked, "reached": density.reached},
+            "texel_weights": self.texel_weights or None,
             "wasteful": self.wasteful or None,
             "blend": self.blend or None,
             "content": content and {"collection": content.collection, "objects": list(content.objects)},
@@ -234,6 +237,7 @@ class Sidecar:
             fingerprint=fingerprint_in(facts),
             marks=tuple(key for key, value in facts.values.items() if value is True and key != "denoised"),
             blend=blend_in(facts),
+            texel_weights=facts.text("texel_weights") if "texel_weights" in facts.values else "",
         )
 
 

@@ -31,6 +31,7 @@ from .hlsl_lookup import HlslLookup
 from .outcome import Outcome
 
 Lookup: TypeAlias = Callable[[Fragments], Floats]  # the linear light (N, 3) of N fragments
+Alpha: TypeAlias = Callable[[Floats], Floats]  # what texture coordinates (N, 2) hide of what is behind, (N,)
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +41,8 @@ class Opened:
     `texels` (H, W, K) are the stored values that belong to single texels, of the atlas's or of fewer; of
     buckets (H, W, G, K), some of their cells.
     `compression` is None if RadTex does not write it. `loss` is the largest relative
-    difference between two of `texels` that were equal before lossy compression.
+    difference between two of `texels` that were equal before lossy compression. `alpha` is None if the
+    surface hides all that is behind it.
     """
 
     sidecar: Sidecar
@@ -49,6 +51,7 @@ class Opened:
     texels: Floats
     compression: Compression | None
     loss: float = 0.0
+    alpha: Alpha | None = None
 
 
 @dataclass(frozen=True)

@@ -26,6 +26,7 @@ from ..scene.lights.lamps import find_lamps, refuse_negative, rendered_lamps
 from ..scene.lights.light import is_dark
 from ..scene.mesh.cage import find_cage
 from ..scene.mesh.named_regions import check_where
+from ..scene.mesh.painted_weights import check_painted
 from ..scene.mesh.source_hits import find_source
 from ..scene.objects import find_object
 from ..scene.proxy_content import find_content
@@ -138,6 +139,8 @@ def _check_names(
         find_cage(scene, item, spec.source, spec.cage)
     if spec.where is not None:
         check_where(items, spec.where)
+    if spec.texel_weights is not None:
+        check_painted(items, scene.objects, spec.texel_weights)
     if spec.lights:
         find_lamps(layer, spec.lights)
     if spec.form.by_paths:

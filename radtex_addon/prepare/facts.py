@@ -54,4 +54,5 @@ def facts_of(
         fingerprint=fingerprint,
         marks=spec.marks,
         blend=blend,
+        texel_weights=spec.texel_weights or "",
     )

@@ -39,6 +39,7 @@ from ..scene.mesh.joined import joined_surface
 from ..scene.mesh.materials import material_numbers_of, write_material_numbers
 from ..scene.mesh.mesh_parts import number_parts
 from ..scene.mesh.named_regions import chosen_triangles
+from ..scene.mesh.painted_weights import painted_triangles, unpainted_warning
 from ..scene.mesh.source_hits import SourceHits
 from ..scene.units import metres_per_unit
 from ..settings.rays import PROBE_CELLS, side_in
@@ -260,7 +261,7 @@ def prepare(
     baked, or if the store has pieces of another bake.
     """
     yield Progress(Stage.EVALUATE, 0, 1)
-    evaluated = [evaluate(scratch, original) for original in originals]
+    evaluated = _evaluated(scratch, originals, spec)
     if store is not NO_STORE:
         for mesh in evaluated:
             of = f" of '{mesh.name}'" if len(evaluated) > 1 else ""
@@ -277,7 +278,7 @@ def prepare(
         detailed = replace(detailed, mesh=as_begun(detailed.mesh, store, "mesh-source"))
     shapes = evaluated
     if spec.unwrap_at is not None and spec.unwrap_at != spec.frame:
-        shapes = shapes_at(scratch, originals, spec.unwrap_at, evaluated)
+        shapes = shapes_at(scratch, originals, spec.unwrap_at, evaluated, spec.texel_weights)
     told = faults_told(  # of the meshes as they are
         evaluated, None if detailed is None else detailed.mesh
     )
@@ -306,6 +307,16 @@ def prepare(
         log.warning(landing.complaint)
     prepared = replace(prepared, source=landing, detailed=detailed)
     return _with_materials_of(detailed, prepared, evaluated[0]) if spec.form.by_paths else prepared
+
+
+def _evaluated(
+    scratch: bpy.types.Scene, originals: Sequence[bpy.types.Object], spec: BakeSpec
+) -> list[EvaluatedMesh]:
+    """The objects' meshes, with their texel weights if the specification names some."""
+    found = [evaluate(scratch, original, spec.texel_weights) for original in originals]
+    if spec.texel_weights is not None and painted_triangles(found) is None:
+        log.warning(unpainted_warning(originals, spec.texel_weights))
+    return found
 
 
 def _with_materials_of(detailed: Detailed, prepared: Prepared, mesh: EvaluatedMesh) -> Prepared:

@@ -24,6 +24,7 @@ from ..scene.mesh.copy import UV_LAYER
 from ..scene.mesh.evaluated import EvaluatedMesh, evaluate
 from ..scene.mesh.joined import side_by_side
 from ..scene.mesh.mesh_parts import Parts, in_first_tile, parts_of, taken
+from ..scene.mesh.painted_weights import UNPAINTED, painted_triangles
 from ..scene.mesh.seen_faces import seen_faces
 from ..scene.scratch import at_frame
 from ..scene.uv.artist_islands import ArtistIslands
@@ -91,7 +92,7 @@ def unwrap_surfaces(
     parts = split_surfaces(meshes, spec)
     if spec.uv_layer is not None:
         return _of_layer(meshes, parts, spec, metres, spec.uv_layer)
-    if spec.unwrap is Unwrap.AUTO and spec.split is None:
+    if spec.unwrap is Unwrap.AUTO and spec.split is None and painted_triangles(meshes) is None:
         layer = _own_layer(meshes, spec, metres)
         if layer is not None:
             return _of_layer(meshes, parts, spec, metres, layer)
@@ -149,10 +150,14 @@ def shapes_at(
     originals: Sequence[bpy.types.Object],
     frame: int,
     evaluated: Sequence[EvaluatedMesh],
+    weights: str | None = None,
 ) -> list[EvaluatedMesh]:
-    """The meshes at another frame; those that have other triangles there are returned as `evaluated`."""
+    """The meshes at another frame, with the vertex group called `weights`.
+
+    Those that have other triangles there are returned as `evaluated`.
+    """
     with at_frame(scratch, frame):
-        found = [evaluate(scratch, original) for original in originals]
+        found = [evaluate(scratch, original, weights) for original in originals]
     for index, (there, here) in enumerate(zip(found, evaluated, strict=True)):
         if not np.array_equal(there.triangles, here.triangles):
             log.warning(
@@ -282,9 +287,14 @@ def unwrap_mesh(
 def _seen(
     meshes: Sequence[EvaluatedMesh], method: Unwrap, options: UnwrapOptions
 ) -> Generator[Progress, None, Bools]:
-    """Which triangles (F,) of the meshes get all of their texels; all do where a density is asked for."""
+    """Which triangles (F,) of the meshes get all of their texels; all do where a density is asked for.
+
+    Those for which more is painted count as seen.
+    """
     if method is Unwrap.AUTO and options.density is None:
-        return (yield from relayed(seen_faces(meshes, options.room), lambda _: unwrap_progress(0)))
+        seen = yield from relayed(seen_faces(meshes, options.room), lambda _: unwrap_progress(0))
+        painted = painted_triangles(meshes)
+        return seen if painted is None else seen | (painted > UNPAINTED)
     return np.ones(sum(len(mesh.triangles) for mesh in meshes), dtype=bool)
 
 
@@ -295,7 +305,10 @@ def _unwrap_together(
     apart = [with_twins_moved(mesh) for mesh in meshes]
     artist = ArtistIslands.of_meshes(apart, options) if method is Unwrap.AUTO else None
     row = side_by_side(apart, "', '".join(mesh.name for mesh in meshes))
-    return (yield from unwrap_steps(row, texels, method, options, artist, seen))
+    painted = painted_triangles(meshes)
+    if painted is not None:
+        painted = np.where(seen, painted, UNPAINTED)  # what is hidden has few already
+    return (yield from unwrap_steps(row, texels, method, options, artist, seen, painted))
 
 
 def _by_mesh(parts: dict[str, tuple[Bools, ...]]) -> Sequence[tuple[Bools, ...]]:

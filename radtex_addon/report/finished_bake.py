@@ -18,7 +18,7 @@ from ..core.messages import Setting, do, leave_out
 from ..formats.sidecar import Sidecar, file_name, part_in, preview_path
 from ..formats.sidecar_file import AnySidecar, SidecarFile, opened, read_facts
 from ..forms import Form, form_in
-from ..forms.form import Lookup
+from ..forms.form import Alpha, Lookup
 from ..scene.mesh.copy import UV_LAYER
 from ..settings.choices import parse_capture, parse_kind, parse_layout
 from ..settings.kinds import DEFAULT_KIND, Kind, is_default_kind
@@ -48,6 +48,7 @@ class Finished:
     texels: Floats
     compression: Compression | None
     loss: float = 0.0
+    alpha: Alpha | None = None
 
     @property
     def name(self) -> str:
@@ -78,6 +79,7 @@ class Finished:
             seed=bake.seed,
             capture=parse_capture(bake.capture),
             uv_layer=None if self.unwrapped else bake.uv_map,
+            texel_weights=bake.texel_weights or None,
             compression=self.compression or Compression.ZIP,
             device=device,
             source=None if source is None else source.object_name,
@@ -183,15 +185,14 @@ def _chosen(
 
 
 def check_whole(sidecar: AnySidecar) -> None:
-    """Make sure that a bake is of one whole object.
+    """Make sure that a bake is of whole objects.
 
-    Raises InputError if it is of several objects or of a part, FormatError for a file that is no sidecar.
+    Raises InputError if it is of a part, FormatError for a file that is no sidecar.
     """
-    identity = _identity(sidecar)
-    if identity.objects or identity.split:
-        what = "several objects in one atlas" if identity.objects else "a part of an object"
+    if _identity(sidecar).split:
         raise InputError(
-            f"{sidecar} is of {what}, which no report judges: compare it instead (bake.py compare)"
+            f"{sidecar} is of a part of an object, which no report judges: compare it instead "
+            "(bake.py compare)"
         )
 
 
@@ -289,6 +290,7 @@ def read_bake(sidecar: AnySidecar) -> Finished:
         texels=bake.texels,
         compression=bake.compression,
         loss=bake.loss,
+        alpha=bake.alpha,
     )
 
 

@@ -147,9 +147,10 @@ class BakedSurface:
         self.place = _values(mesh.vertices, "co", 3) @ self._matrix.T + matrix[:3, 3]
         self._corner = _values(mesh.loops, "vertex_index", 1).astype(np.int64).reshape(-1, 3)
         self._twin = twin_numbers(mesh)
-        # twins come last, so that the others keep their indices
-        met = self._corner if self._twin is None else self._corner[fronts(self._twin)]
-        tree = BVHTree.FromPolygons(self.place.tolist(), met.tolist(), all_triangles=True)
+        # of several objects that were joined, each has its twins behind its own triangles
+        self._met = np.arange(len(self._corner)) if self._twin is None else np.flatnonzero(fronts(self._twin))
+        met = self._corner[self._met].tolist()
+        tree = BVHTree.FromPolygons(self.place.tolist(), met, all_triangles=True)
         self._tree = cast(BVHTree, tree)
         fields = {NORMAL: ("vector", 3), TANGENT: ("vector", 3), SIGN: ("value", 1), uv_layer: ("vector", 2)}
         attributes = cast(Any, mesh).attributes
@@ -172,6 +173,7 @@ class BakedSurface:
         origin = np.broadcast_to(rays.origin, rays.away.shape)
         triangle[near] = _first_met(self._tree, origin[near], rays.away[near])
         hit = triangle >= 0
+        triangle[hit] = self._met[triangle[hit]]
         if self._twin is not None:
             triangle[hit] = self._facing(triangle[hit], rays.away[hit], self._twin)
         distance, weights = _meet(origin[hit], rays.away[hit], place[corner[triangle[hit]]])

@@ -4,16 +4,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..core.arrays import Ints
 from ..core.errors import InputError
 from ..core.messages import Setting, do
 from .finished_bake import Finished
-from .gbuffer import BakedSurface
+from .gbuffer import Array, BakedSurface, eroded
 from .metrics import Figures, Mask, Picture, compare
+from .shared_atlas import Parts
+from .through import Shown, light_along
 from .views import TracedView, seen
 
 _WORDS = (  # the least PSNR in decibels, and its verdict
@@ -24,35 +27,118 @@ _WORDS = (  # the least PSNR in decibels, and its verdict
     (20.0, "the right light, but clearly blurred or noisy"),
     (-np.inf, "far off, for it is too blurred or too noisy to stand in for the object"),
 )
+FEWEST = 30  # pixels of a part in a view, or it is not judged there
 _AT_THE_FLOOR = 1.0  # decibels: a PSNR this close to the noise floor's cannot be told from it
 
 
 @dataclass(frozen=True, eq=False)
 class Judged:
-    """A picture of the bake from one view, valid inside the masks only, and its figures."""
+    """A picture of the bake from one view, valid inside the masks only, and its figures.
+
+    `parts` are the figures of those of several objects of which enough is seen.
+    """
 
     view: TracedView
     picture: Picture
     inside: Mask
     eroded: Mask
     figures: Figures
+    parts: Mapping[str, Figures] = field(default_factory=dict)
 
 
-def judge(bake: Finished, surface: BakedSurface, views: Sequence[TracedView]) -> list[Judged]:
-    """Compare the bake with each view's reference. Raises InputError if it is too small in a view."""
+@dataclass(frozen=True)
+class PartFigures:
+    """The mean figures of one of several objects over the views that show it, and its `psnr` in each."""
+
+    mean: Figures
+    psnr: Mapping[str, float]
+
+
+def judge(
+    bake: Finished, surface: BakedSurface, views: Sequence[TracedView], parts: Parts | None = None
+) -> list[Judged]:
+    """Compare the bake with each view's reference, and the `parts` of several objects by themselves.
+
+    Raises InputError if it is too small in a view.
+    """
     judged = []
     for view in views:
+        if parts is not None:
+            judged.append(_judge_parts(bake, surface, view, parts))
+            continue
         buffer = seen(surface, view)
-        inside, eroded = buffer.inside, buffer.eroded
-        if not eroded.any():
-            raise InputError(
-                "the object covers no whole pixel of a view",
-                do("give the report more pixels", Setting.PIXELS),
-            )
+        inside, inner = buffer.inside, buffer.eroded
+        if not inner.any():
+            raise _too_small()
         picture = buffer.resolve(bake.radiance(buffer))
-        figures = compare(picture, view.reference, inside, eroded)
-        judged.append(Judged(view, picture, inside, eroded, figures))
+        figures = compare(picture, view.reference, inside, inner)
+        judged.append(Judged(view, picture, inside, inner, figures))
     return judged
+
+
+def _judge_parts(bake: Finished, surface: BakedSurface, view: TracedView, parts: Parts) -> Judged:
+    """As `judge`, with what clear parts show of others behind them."""
+    found = light_along([Shown(surface, bake)], view.rays, view.blocked)
+    met = np.where(found.first >= 0, parts.owner[found.triangle], -1)
+    picture, owner = resolved(found.light, met, view.rays.pixels)
+    inside = (owner >= 0).all(axis=2)
+    whole = eroded(inside)
+    if not whole.any():
+        raise _too_small()
+    masks = {name: (owner == number).all(axis=2) for number, name in enumerate(parts.names)}
+    figures = {
+        name: compare(picture, view.reference, mask, mask & whole)
+        for name, mask in masks.items()
+        if (mask & whole).sum() >= FEWEST
+    }
+    return Judged(view, picture, inside, whole, compare(picture, view.reference, inside, whole), figures)
+
+
+def resolved(light: Array, owner: Ints, pixels: int) -> tuple[Picture, Ints]:
+    """The picture (H, W, 3) of light (N, 3) along a view's rays, and the owners (H, W, S) of its subsamples.
+
+    A pixel is the mean of those of its rays that have an owner: -1 is none.
+    """
+    whose: Ints = owner.reshape(pixels, pixels, -1)
+    covered = (whose >= 0)[..., None]
+    total = np.where(covered, light.reshape(pixels, pixels, -1, 3), 0).sum(axis=2)
+    picture: Picture = total / np.maximum(covered.sum(axis=2), 1)
+    return picture, whose
+
+
+def part_figures(judged: Sequence[Judged]) -> dict[str, PartFigures]:
+    """The figures of several objects, the worst first; none of a single one."""
+    found: dict[str, dict[str, Figures]] = {}
+    for one in judged:
+        for name, figures in one.parts.items():
+            found.setdefault(name, {})[one.view.name] = figures
+    made = {
+        name: PartFigures(_mean(list(each.values())), {view: one.psnr for view, one in each.items()})
+        for name, each in found.items()
+    }
+    return dict(sorted(made.items(), key=lambda part: part[1].mean.psnr))
+
+
+def _mean(figures: Sequence[Figures]) -> Figures:
+    """The means of each figure, of those that have it."""
+
+    def of(values: list[float | None]) -> float | None:
+        known = [value for value in values if value is not None]
+        return float(np.mean(known)) if known else None
+
+    return Figures(
+        psnr=float(np.mean([one.psnr for one in figures])),
+        psnr_uneroded=float(np.mean([one.psnr_uneroded for one in figures])),
+        flip=of([one.flip for one in figures]),
+        energy=float(np.mean([one.energy for one in figures])),
+        glints=of([one.glints for one in figures]),
+    )
+
+
+def _too_small() -> InputError:
+    return InputError(
+        "the object covers no whole pixel of a view", do("give the report more pixels", Setting.PIXELS)
+    )
 
 
 def noise_floor(judged: Sequence[Judged]) -> Figures:

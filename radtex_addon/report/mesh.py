@@ -39,6 +39,7 @@ from ..settings.spec import Unwrap
 from .finished_bake import Finished
 from .gbuffer import BakedSurface
 from .report_progress import ReportStep, ReportTask, steps_of
+from .shared_atlas import Parts
 
 _SURE = 0.93  # share of the gutter that agrees; less than 1, as the bake also fills texels that are hidden
 _SAME = 1e-5  # relative to the object's size: vertices that moved less count as unmoved
@@ -46,11 +47,15 @@ _SAME = 1e-5  # relative to the object's size: vertices that moved less count as
 
 @dataclass(frozen=True, eq=False)
 class SurfaceFound:
-    """The surface of a bake; `uv_layer` is the object's own layer, None if `unwrap` made the layer."""
+    """The surface of a bake; `uv_layer` is the object's own layer, None if `unwrap` made the layer.
+
+    `parts` tells the objects apart, if there are several.
+    """
 
     surface: BakedSurface
     uv_layer: str | None
     unwrap: Unwrap
+    parts: Parts | None = None
 
 
 def find_mesh(
@@ -62,7 +67,7 @@ def find_mesh(
     unwrap method with the `options`. Returns the first layer that fits for sure, else the best one that may
     fit. Yields progress. Raises InputError if no layer fits, or if what it was baked from is missing.
     """
-    evaluated = evaluate(scratch, original)
+    evaluated = evaluate(scratch, original, bake.sidecar.texel_weights or None)
     (evaluated,) = all_once([evaluated], [find_once(evaluated)])
     if bake.form.traits.backs and bake.unwrapped:
         evaluated = with_twins(evaluated, seen_from_behind(evaluated))

@@ -18,7 +18,7 @@ from ..formats.disk.memory import readable_size
 from ..job.variants import variant_of
 from .causes import HalvedBake, first_change
 from .finished_bake import Finished
-from .judging import Judged, mean_energy, mean_flip, mean_glints, mean_psnr, verdict
+from .judging import Judged, mean_energy, mean_flip, mean_glints, mean_psnr, part_figures, verdict
 from .map_pictures import MapPictures
 from .metrics import Figures, display
 from .sizes import ImageSize, gpu_bytes
@@ -71,6 +71,7 @@ def page(contents: Contents) -> str:
         f'<p class="note">{escape(_facts(contents.bake))}</p>',
         f'<p class="verdict">{escape(contents.verdict)}</p>',
         _closeness(contents),
+        *_parts(contents.judged),
         "<h2>Pictures</h2>",
         *(_pictures(judged) for judged in contents.judged),
         "<h2>Map</h2>",
@@ -119,6 +120,22 @@ def _closeness(contents: Contents) -> str:
     if floor.flip is None:
         note += " There is no FLIP for this platform."
     return _table(rows) + f'<p class="note">{note}</p>'
+
+
+def _parts(judged: Sequence[Judged]) -> list[str]:
+    """The figures of several objects, the worst first."""
+    found = part_figures(judged)
+    if not found:
+        return []
+    views = [one.view.name for one in judged]
+    rows = [["", *(f"{view}, dB" for view in views), "mean, dB", "FLIP", "energy", "glints"]]
+    for name, part in found.items():
+        each = [f"{part.psnr[view]:.2f}" if view in part.psnr else "–" for view in views]
+        rows.append([name, *each, *_row(part.mean)])
+    note = (
+        "Each object where it is seen, the worst first. Of one that shows a few pixels alone there is a dash."
+    )
+    return ["<h2>Objects</h2>", _table(rows), f'<p class="note">{note}</p>']
 
 
 def _row(figures: Figures) -> list[str]:
@@ -189,6 +206,8 @@ def _sizes(sizes: Sequence[ImageSize]) -> str:
 
 def _causes(contents: Contents) -> str:
     variants, bake = contents.variants, contents.bake
+    if bake.sidecar.objects:
+        return "<p>Not measured of several objects in one atlas.</p>"
     if variants is None:
         return "<p>Not measured: a report with variants bakes the object again, with half of each.</p>"
     whole = f"{mean_psnr(contents.judged):.2f}"

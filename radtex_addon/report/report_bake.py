@@ -5,12 +5,13 @@
 from __future__ import annotations
 
 from collections.abc import Generator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import bpy
 
 from ..core.errors import InputError
+from ..core.messages import do
 from ..cycles.device import use_device
 from ..formats.disk.atomic import check_writable, replacing_together
 from ..formats.disk.temporary import temporary_folder
@@ -20,13 +21,15 @@ from ..prepare.unwrapping import unwrap_options
 from ..scene.objects import find_object
 from ..scene.scratch import at_frame, scratch_scene
 from ..scene.units import metres_per_unit
+from ..settings.spec import Unwrap
 from .causes import bake_variants, first_change
 from .finished_bake import Finished, check_whole, object_of, read_bake
-from .judging import judge, mean_energy, mean_flip, mean_psnr, noise_floor
+from .judging import PartFigures, judge, mean_energy, mean_flip, mean_psnr, noise_floor, part_figures
 from .map_pictures import map_pictures
 from .mesh import SurfaceFound, find_mesh
 from .page import Contents, page
 from .report_progress import ReportStep, ReportTask
+from .shared_atlas import find_shared
 from .sizes import check_judged, gpu_bytes, sizes_of
 from .views import MOST_PIXELS, TracedView, make_views, reference_of
 
@@ -61,7 +64,8 @@ class ReportResult:
     """The results of a report.
 
     `floor` is the reference's PSNR against another seed's; `disk` and `gpu` are bytes, `lost` are decibels by
-    cause. `flip` is None if FLIP is not available, `first_change` if no variants were baked.
+    cause. `flip` is None if FLIP is not available, `first_change` if no variants were baked. `parts` are the
+    mean figures of each of several objects that share the atlas, as far as the views show it.
     """
 
     page: Path
@@ -74,6 +78,7 @@ class ReportResult:
     gpu: int
     lost: dict[str, float]
     first_change: str | None
+    parts: dict[str, PartFigures] = field(default_factory=dict)
 
 
 def report_path(sidecar: AnySidecar) -> Path:
@@ -91,7 +96,7 @@ def report_path(sidecar: AnySidecar) -> Path:
 def report_steps(
     scene: bpy.types.Scene, sidecar: AnySidecar, spec: ReportSpec, out: Path
 ) -> Generator[ReportStep, None, ReportResult]:
-    """Judge the bake with this sidecar against views of its object in `scene`, and write a page to `out`.
+    """Judge the bake with this sidecar against views of its objects in `scene`, and write a page to `out`.
 
     It is judged as it was baked: at its frame, with its lamps, and against the object whose light it shows.
     Yields progress; returns the results. Afterwards the scene is as it was, also after an error or when the
@@ -104,10 +109,14 @@ def report_steps(
     check_whole(file)
     check_judged(file, spec.memory_mb)
     bake = read_bake(file)
+    if spec.variants and bake.sidecar.objects:
+        raise InputError(
+            f"{file} is of several objects, of which no halves are baked", do("leave variants out")
+        )
     with at_frame(scene, bake.sidecar.frame):
         found, views = yield from _look(scene, bake, spec)
         yield ReportStep(ReportTask.COMPARE, 0, 1)
-        judged = judge(bake, found.surface, views)
+        judged = judge(bake, found.surface, views, found.parts)
         pictures = map_pictures(found.surface, views[:_CHECKERS], bake.sidecar.width, bake.sidecar.height)
         variants = None
         if spec.variants:
@@ -130,6 +139,7 @@ def report_steps(
         gpu=gpu_bytes(bake),
         lost={variant.cause.value: variant.lost for variant in variants or ()},
         first_change=None if variants is None else first_change(bake, variants),
+        parts=part_figures(judged),
     )
 
 
@@ -141,9 +151,14 @@ def _look(
         scratch_scene(scene) as scratch,
         use_device(scratch, spec.device),
     ):
-        original = find_object(scratch, bake.sidecar.object_name)
-        options = unwrap_options(bake.spec(spec.device), metres_per_unit(scratch))
-        found = yield from find_mesh(scratch, original, bake, options)
+        original = find_object(scratch, bake.sidecar.surfaces[0])
+        if bake.sidecar.objects:
+            yield ReportStep(ReportTask.FIND_MESH, 0, 1)
+            surface, parts = find_shared(scratch, bake)
+            found = SurfaceFound(surface, None, Unwrap.AUTO, parts)
+        else:
+            options = unwrap_options(bake.spec(spec.device), metres_per_unit(scratch))
+            found = yield from find_mesh(scratch, original, bake, options)
         with reference_of(scratch, original, bake.sidecar) as shown:
             views = yield from make_views(shown, found.surface, spec.views, spec.pixels, spec.samples, folder)
     return found, views

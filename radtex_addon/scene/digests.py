@@ -42,6 +42,7 @@ from .camera_place import place_of_camera
 from .geometry_digests import Geometry
 from .lights.lamps import WORLD, find_lamps
 from .mesh.evaluated import render_with
+from .mesh.painted_weights import weights_digest
 from .render_settings import KEPT_OF_RENDER, LIGHT_PATHS
 from .working_space import working_space
 
@@ -152,8 +153,10 @@ class SceneDigests:
         if spec.alone:
             lamps = [each for each in others if each.kind == "LIGHT" and not each.is_instance]
             others = [*lamps, *(each for each in others if each.of in own)]
+        painted = _painted(baked, spec, layer)
+        exact = digest_of((*(each.mesh.exact for each in found), *painted))
         return Fingerprint(
-            mesh=str(joined(digest_of(each.mesh.exact for each in found), (each.mesh for each in found))),
+            mesh=str(joined(exact, (each.mesh for each in found), painted)),
             transform=digest_of(each.transform for each in found),
             materials=digest_of(each.materials for each in found),
             settings=digest_of((*fingerprint_texts(spec), self.rendering)),
@@ -172,6 +175,14 @@ class SceneDigests:
         seen.sort(key=lambda each: (each.but_mesh, each.mesh.of or each.mesh.exact))
         beside = (*(each.but_mesh for each in seen), world, camera)
         return joined(exact, (each.mesh for each in seen), beside)
+
+
+def _painted(baked: Sequence[str], spec: BakeSpec, layer: bpy.types.ViewLayer) -> list[str]:
+    """Digests of the texel weights of the baked objects; none if the specification names no group."""
+    if spec.texel_weights is None:
+        return []
+    items = [layer.objects[name] for name in baked if name in layer.objects]
+    return [weights_digest(item, spec.texel_weights) for item in items]
 
 
 def read_scene(scratch: bpy.types.Scene) -> SceneDigests:

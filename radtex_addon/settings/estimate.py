@@ -19,6 +19,7 @@ from math import exp, log
 from ..bake.progress import Stage
 from .forms import FORMS
 from .kinds import Light
+from .layered_times import LayeredTimes
 from .rays import CLEAR_SAMPLES, PROBE_CELLS, PROBES, LayeredRays
 from .spec import BakeSpec, Kind, Unwrap
 
@@ -26,7 +27,6 @@ START = "start"  # starting the worker, opening the scene, checks; a stage of no
 STAGES = (START, *map(str, Stage))
 
 _COVERAGE = 0.55  # the usual share of an atlas that islands cover
-_OWN_RAYS = 400  # of a texel, in the layered layout: what it sees of the object itself
 # stages whose pace does not depend on what is baked
 _ALIKE = frozenset({START, *map(str, (Stage.EVALUATE, Stage.UNWRAP, Stage.RASTER, Stage.PREVIEW))})
 
@@ -156,7 +156,8 @@ def typical_seconds(work: BakeWork) -> Mapping[str, float]:
         seconds[str(Stage.PROBE)] = 0.1 + 3e-6 * cells
     if paths:
         rays = LayeredRays.of(work.samples).of_texel
-        seconds[str(Stage.SURROUNDINGS)] = 9.0 * (0.045 + 0.955 * work.surroundings**2)
+        times = LayeredTimes(work.covered, LayeredRays.of(work.samples), surroundings=work.surroundings)
+        seconds[str(Stage.SURROUNDINGS)] = sum(times.around.values())
         seconds[str(Stage.FIT)] = 0.2 + work.covered * (3.4e-4 + 7e-7 * rays)
     else:
         seconds[str(Stage.FILL)] = 0.05 + 1.2e-6 * work.cells
@@ -191,9 +192,7 @@ def _capture_seconds(work: BakeWork) -> float:
     kind = Kind(work.kind)
     light = kind.traits.light
     if work.by_paths:
-        paths = LayeredRays.of(work.samples)
-        of_texel = 4.5e-6 * paths.light**2 + 4.2e-6 * paths.ends**2 + 1.4e-6 * _OWN_RAYS + 6e-5
-        return 0.9 + work.covered * of_texel
+        return 0.7 + sum(LayeredTimes(work.covered, LayeredRays.of(work.samples)).capture.values())
     if light is Light.RESPONSE:  # a render for each sun
         return 0.4 + work.bucket**2 * 0.03 + 4e-6 * work.cells * work.samples
     if light is Light.OCCLUSION:

@@ -82,6 +82,7 @@ class BakeOptions:
     sheet: int = SHEET
     denoise: bool = False
     alone: bool = False
+    texel_weights: str | None = None
 
 
 _DEFAULTS = {each.name: each.default for each in fields(BakeOptions)}
@@ -191,6 +192,15 @@ SURFACE = Section(Fold.SURFACE, (
          "clean, unwrap what is left as uvunwrap does, and give few texels to what no camera can see; "
          "uvunwrap: unwrap a copy into few, large islands; xatlas, blender: by these",
          tooltip="How UVs are made where no map is chosen. Your mesh stays as it is"),
+    _row("texel_weights", flag="--texel-weights", metavar="GROUP", title="Texel Weights",
+         called=Setting.TEXEL_WEIGHTS,
+         help="a vertex group that says where the unwrap gives more or fewer texels: weight 1 gives twice as "
+         "many along a side, 0.5 as many as without it, 0 a quarter; vertices that are not in it have 0.5",
+         default_words="as --unwrap says",
+         tooltip="A vertex group that says where texels go: weight 1 gives twice as many along a side, 0.5 "
+         "as many as without it, 0 a quarter. Vertices that are not in it have 0.5: assign all with that "
+         "weight before you paint",
+         added=True),
     _row("padding", flag="--padding", metavar="N", limits=(0, 256), title="Padding", blender={"soft_max": 16},
          preset=True,
          help="texels that the unwrap leaves free between islands",

@@ -39,6 +39,7 @@ def check(spec: BakeSpec) -> None:
         raise InputError(f"unwrap at frame {spec.unwrap_at} is for frames without a UV layer: leave it out")
     if spec.uv_layer == "":
         raise InputError("the UV layer's name is empty: name one of the object's, or none to unwrap anew")
+    _check_weights(spec)
     _check_kind(spec)
     if _asked(spec).by_paths:
         _check_by_paths(spec)
@@ -51,6 +52,17 @@ def check(spec: BakeSpec) -> None:
 def _asked(spec: BakeSpec) -> FormTraits:
     """The form of the layout that is asked for, even if the kind has a form of its own."""
     return form_in(spec.layout)
+
+
+def _check_weights(spec: BakeSpec) -> None:
+    if spec.texel_weights == "":
+        raise InputError("the vertex group of texel weights has no name: name one, or leave it out")
+    if spec.texel_weights is not None and spec.uv_layer is not None:
+        raise InputError(
+            f"texel weights '{spec.texel_weights}' are for a new unwrap, not for UV layer '{spec.uv_layer}'",
+            leave_out(Setting.UV),
+            leave_out(Setting.TEXEL_WEIGHTS),
+        )
 
 
 def _check_kind(spec: BakeSpec) -> None:

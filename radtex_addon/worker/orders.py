@@ -13,6 +13,7 @@ from ..bake.progress import Stage
 from ..core.sampler import Filter
 from ..job.variants import Bake, variant_of
 from ..report.report_progress import ReportTask
+from ..settings.estimate import BakeWork, typical_seconds
 from ..settings.kinds import is_default_kind
 from ..settings.spec import BakeSpec, as_json, facts_of
 from ..textures.export_spec import ExportSpec, ExportStep, ExportTask, Target
@@ -22,20 +23,7 @@ if TYPE_CHECKING:
     from ..report.side_by_side import ComparisonSpec
     from ..report.viewpoint import Viewpoint
 
-# How long stages take, in parts of the whole: roughly, for a bar that runs evenly enough.
-_BAKE = {
-    Stage.EVALUATE: 1,
-    Stage.UNWRAP: 5,
-    Stage.RASTER: 2,
-    Stage.PROBE: 4,
-    Stage.CAPTURE: 80,
-    Stage.SURROUNDINGS: 25,
-    Stage.DENOISE: 6,
-    Stage.FILL: 2,
-    Stage.FIT: 30,
-    Stage.WRITE: 3,
-    Stage.PREVIEW: 2,
-}
+_TRIANGLES = 16_000  # of a usual object: how long its bake's stages take, for a bar that runs evenly enough
 MEASURING = "measure"  # the stage of an estimate, in objects
 EXPORTING = "export"  # the stage of an export of several bakes, in bakes
 _EXPORT = {ExportTask.TEXTURES: 6, ExportTask.FLAT: 2, ExportTask.MESH: 1, ExportTask.PACK: 1}
@@ -210,10 +198,6 @@ def _on_device(spec: BakeSpec, device: str) -> BakeSpec:
 
 
 def _stages(spec: BakeSpec, preview: bool) -> dict[str, float]:
-    """The fraction of the time for each stage of a bake; they add up to 1."""
-    absent = {Stage.FILL} if spec.form.by_paths else {Stage.FIT, Stage.SURROUNDINGS}
-    if not preview:
-        absent.add(Stage.PREVIEW)
-    if not spec.denoise or spec.form.by_paths:
-        absent.add(Stage.DENOISE)
-    return parts({stage: 0 if stage in absent else share for stage, share in _BAKE.items()})
+    """The fraction of the time that each stage of a bake typically takes; they add up to 1."""
+    typical = typical_seconds(BakeWork.of(spec, _TRIANGLES, preview=preview, device=spec.device))
+    return parts({stage: typical.get(str(stage), 0.0) for stage in Stage})

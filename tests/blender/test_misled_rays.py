@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ import numpy as np
 import pytest
 
 from radtex_addon.bake.light_samples import mirrored
-from radtex_addon.bake.progress import finished
+from radtex_addon.bake.progress import Progress, Stage, finished
 from radtex_addon.core.arrays import Bools, Floats
 from radtex_addon.core.fragments import Fragments
 from radtex_addon.forms.layered.capture import capturing
@@ -244,3 +245,24 @@ def test_misled_rays_join_those_that_meet_the_object() -> None:
     np.testing.assert_array_equal(both.place, [place[0], more[0], more[0], place[1]])
     assert both.light is not None
     np.testing.assert_array_equal(both.light, [-place[0], 2 * more[0], 2 * more[0], -place[1]])
+
+
+def test_the_bar_moves_through_them(corner: Any, out: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """No stage comes again, and what was done when they were looked for is neither nothing nor all."""
+    steps: list[Progress] = []
+    before: list[float] = []
+
+    def looked(*arguments: Any) -> Misled | None:
+        before.append(steps[-1].done / steps[-1].total)
+        return find_misled(*arguments)
+
+    monkeypatch.setattr(capturing, "find_misled", looked)
+    for step in bake_steps(context.scene, "Floor", SPEC, out):
+        assert isinstance(step, Progress)
+        steps.append(step)
+    stages = [stage for stage, _ in groupby(step.stage for step in steps)]
+    assert stages == list(dict.fromkeys(stages))
+    around = [step for step in steps if step.stage is Stage.SURROUNDINGS]
+    assert [step.done for step in around] == sorted({step.done for step in around})
+    assert around[-1].done == around[-1].total
+    assert 0.1 < before[0] < 0.99

@@ -95,6 +95,76 @@ def test_a_ball_that_glows_evenly_is_as_it_should_be(layout: Layout, out: Path, 
         assert gpu_bytes(layered, cells=2) < 4 * gpu_bytes(layered)
 
 
+def two_balls(out: Path, **options: Any) -> Path:
+    """The sidecar of a ball that glows evenly and of a striped one, in one atlas."""
+    ball("Even")
+    striped(ball("Striped", (1.5, 0, 0)), 3.0)
+    spec = replace(TINY, texels=48, objects=("Even", "Striped"))
+    return bake("Both", spec, out, **({"preview": Filter.NEAREST} | options))
+
+
+def test_objects_in_one_atlas_are_judged_together_and_each_by_itself(out: Path, temporary: Path) -> None:
+    sidecar = two_balls(out)
+    before = fingerprint()
+    found = report(sidecar, replace(QUICK, pixels=96, samples=4))
+    assert differences(before, fingerprint()) == {}
+    assert [*found.parts] == ["Striped", "Even"]  # the worst first
+    assert found.parts["Even"].mean.psnr > DENOISED - 2
+    assert found.parts["Striped"].mean.psnr < 30
+    assert found.parts["Striped"].mean.psnr < found.psnr < found.parts["Even"].mean.psnr
+    assert found.parts["Even"].psnr.keys() == {"View 1", "View 2"}
+    assert found.parts["Even"].mean.energy == pytest.approx(1, abs=1e-2)
+    text = found.page.read_text(encoding="utf-8")
+    assert found.page.name == "Both.report.html"
+    assert text.index("<h2>Objects</h2>") < text.index(">Striped<") < text.index(">Even<")
+    with pytest.raises(InputError, match="of several objects, of which no halves are baked"):
+        report(sidecar, replace(QUICK, variants=True))
+
+
+def test_what_is_seen_through_a_clear_part_is_the_part_behind_it(out: Path, temporary: Path) -> None:
+    ball("Core").scale = (0.7,) * 3
+    glass = ball("Shell").data.materials[0]
+    tree: Any = glass.node_tree
+    mix, clear = tree.nodes.new("ShaderNodeMixShader"), tree.nodes.new("ShaderNodeBsdfTransparent")
+    shown = tree.nodes["Material Output"].inputs["Surface"]
+    tree.nodes["Emission"].inputs["Color"].default_value = (0.0, 0.0, 0.6, 1)
+    for one, other in ((tree.nodes["Emission"], 1), (clear, 2)):
+        tree.links.new(one.outputs[0], mix.inputs[other])
+    tree.links.new(mix.outputs[0], shown)
+    spec = replace(TINY, texels=32, bucket=14, samples=4, layout=Layout.LAYERED, objects=("Core", "Shell"))
+    found = report(bake("Both", spec, out, preview=Filter.NEAREST), replace(QUICK, samples=4))
+    assert found.psnr > 30
+    assert found.energy == pytest.approx(1, abs=0.05)
+    assert [*found.parts] == ["Shell"]  # the core is nowhere seen by itself
+
+
+def test_sheets_that_share_an_atlas_are_looked_at_from_both_sides(out: Path, temporary: Path) -> None:
+    """Each has twins of its faces for its back, among those of the others."""
+    names = ("Red", "Green", "Blue")
+    for number, name in enumerate(names):
+        bpy.ops.mesh.primitive_grid_add(x_subdivisions=2, y_subdivisions=2, rotation=(np.pi / 2, 0, 0.5))
+        context.object.name, context.object.location.x = name, 2.5 * number
+        colour = tuple(0.8 * np.eye(3)[number])
+        context.object.data.materials.append(stage.material(name, "ShaderNodeEmission", Color=(*colour, 1)))
+    spec = replace(TINY, texels=32, bucket=14, samples=4, layout=Layout.LAYERED, objects=names)
+    found = report(bake("Sheets", spec, out, preview=Filter.NEAREST), replace(QUICK, pixels=96, samples=4))
+    assert {*found.parts} == {*names}
+    for part in found.parts.values():
+        assert part.mean.psnr > 30
+        assert part.mean.energy == pytest.approx(1, abs=0.06)
+
+
+def test_objects_in_one_atlas_have_to_be_as_they_were(out: Path, temporary: Path) -> None:
+    sidecar = two_balls(out)
+    context.scene.objects["Even"].location.x = -0.5
+    with pytest.raises(InputError, match=r"'Even' does not fit .*: it was changed since: .*preview"):
+        report(sidecar)
+    context.scene.objects["Even"].location.x = 0
+    (out / "Both.preview.blend").unlink()
+    with pytest.raises(InputError, match="is missing, which holds the mesh"):
+        report(sidecar)
+
+
 def test_stripes_cost_texels_and_nothing_else(out: Path, temporary: Path) -> None:
     striped(ball(), 0.6)
     sidecar = bake("Ball", replace(TINY, texels=64, bucket=4, samples=2), out)

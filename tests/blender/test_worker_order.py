@@ -81,6 +81,7 @@ SPECS = {
     "what is near": BakeSpec(kind=Kind.AO, ao_distance=0.25, device="cpu"),
     "a view": BakeSpec(kind=Kind.TRANSFER, view=View.CAMERA, device="cpu"),
     "a density": BakeSpec(density=1500.5, device="cpu"),
+    "painted weights": BakeSpec(texel_weights="-More, here", device="cpu"),
     "a frame": BakeSpec(frame=7, unwrap_at=1, device="cpu"),
     "objects in one atlas": BakeSpec(objects=("--Vase", "Cup"), device="cpu"),
     "a part": BakeSpec(split=Split.UDIM, uv_layer="Layer", part="1002", device="cpu"),
@@ -270,6 +271,18 @@ def test_the_time_left_covers_what_comes_after_a_stage() -> None:
     layered = job(SPECS["layered"]).hears(progress(Stage.CAPTURE, 2, 4, left=30))
     assert layered.seconds_left is not None
     assert layered.seconds_left > half.seconds_left, "fitting is to come"
+
+
+def test_a_bakes_bar_gives_each_stage_what_it_typically_takes() -> None:
+    few, many = (order(BakeSpec(texels=n, layout=Layout.LAYERED)).stages for n in (32, 512))
+    for stages in (few, many):
+        assert sum(stages.values()) == pytest.approx(1)
+        assert list(stages) == list(Stage)
+        assert stages["fill"] == stages["denoise"] == stages["preview"] == 0
+    assert few["surroundings"] > few["capture"] > 0  # a few texels are quicker than the pictures around them
+    assert many["capture"] > 2 * many["surroundings"] > 0
+    plain = order(BakeSpec(texels=64)).stages
+    assert plain["fit"] == plain["surroundings"] == 0 < plain["fill"]
 
 
 def test_an_exports_bar_runs_over_its_own_stages() -> None:

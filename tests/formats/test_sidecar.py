@@ -206,6 +206,7 @@ def test_a_written_name_works_on_this_filesystem(tmp_path: Path) -> None:
         ({"objects": ("Vase", "Lamp"), "part": Part("material", "Gold", 1)}, {"objects", "part"}),
         ({"denoised": True, "marks": ("alone",)}, {"denoised", "alone"}),
         ({"texel_density": TexelDensity(64.0, 60.5)}, {"texel_density"}),
+        ({"texel_weights": "Mehr"}, {"texel_weights"}),
     ],
 )
 def test_what_is_known_comes_back_and_is_not_told_where_there_is_none(

@@ -72,6 +72,14 @@ def test_paths_grow_with_texels_and_samples() -> None:
     assert typical_seconds(work(finer, 5000))["capture"] - 0.4 == pytest.approx(3 * once)
 
 
+def test_wrong_mirror_rays_are_looked_for_in_each_texel() -> None:
+    """So the stage of the surroundings grows with texels, and the pictures alone with their width."""
+    few, many = (typical_seconds(work(LAYERED, count))["surroundings"] for count in (1000, 60_000))
+    assert many - few == pytest.approx(59_000 * 8.6e-4)
+    narrow = typical_seconds(replace(work(LAYERED, 1000), surroundings=0.25))["surroundings"]
+    assert few - narrow == pytest.approx(9.0 * 0.955 * (1 - 0.25**2))
+
+
 def test_a_probe_counts_more_than_other_objects_and_less_than_the_same_bake() -> None:
     small = replace(work(LAYERED, 500), texels=24)
     probe = replace(measured(small, 2.0), finished=False)

@@ -56,7 +56,7 @@ from .files.arrangement import (
 )
 from .files.layered_files import read_layered, read_layered_sidecar
 from .hlsl import layered_lookup
-from .lookup.atlas import sample_layered
+from .lookup.atlas import alpha_at, sample_layered
 from .lookup.blurred_levels import level_count
 from .preview.material import (
     check_layered_previewable,
@@ -123,6 +123,7 @@ class Layered:
             texels=texels,
             compression=stored_compression(layer_path(sidecar.path, IRRADIANCE)),
             loss=loss,
+            alpha=None if atlas.alpha is None else lambda uv: alpha_at(atlas, uv),
         )
 
     def shapes(self, sidecar: SidecarFile, texels: int = 1, cells: int = 1) -> Shapes:

@@ -24,6 +24,7 @@ from ...core.islands import weld
 from ...core.surface import SurfaceMesh, patches
 from .attribute_arrays import ATTRIBUTE_LAYOUT
 from .evaluated import EvaluatedMesh, MeshAttribute
+from .painted_weights import WEIGHT
 
 _ALONE = 10_000  # faces for which Blender uses one thread only
 _LAYER, _NORMAL = "RadTex patch", "custom_normal"
@@ -110,7 +111,7 @@ def baked_mesh_steps(evaluated: EvaluatedMesh, uv: Floats, layer: str = UV_LAYER
         raise ShapeError(f"uv: expected shape {(count, 3, 2)}, got {uv.shape}")
     mesh = bpy.data.meshes.new(evaluated.name)
     _build(mesh, evaluated)
-    ours = {layer, NORMAL, TANGENT, SIGN, MATERIAL}
+    ours = {layer, NORMAL, TANGENT, SIGN, MATERIAL, WEIGHT}
     for attribute in evaluated.attributes:
         if attribute.name not in ours:
             _write(mesh, attribute)

@@ -28,6 +28,7 @@ from ..geometry_digests import drifts, made_of
 from ..scratch import render_scene
 from .attribute_arrays import ATTRIBUTE_LAYOUT
 from .mesh_checks import FARTHEST, check_area, check_extent, check_matrix, check_positions, no_faces
+from .painted_weights import WEIGHT, read_weights
 
 log = logging.getLogger(__name__)
 
@@ -117,8 +118,12 @@ class EvaluatedMesh:
         raise KeyError(layer)
 
 
-def evaluate(scratch: bpy.types.Scene, original: bpy.types.Object) -> EvaluatedMesh:
+def evaluate(
+    scratch: bpy.types.Scene, original: bpy.types.Object, weights: str | None = None
+) -> EvaluatedMesh:
     """Read the mesh of `original` as a render of the scratch scene's enabled view layer shows it.
+
+    With the vertex group called `weights`, if it has one, as the attribute WEIGHT of its vertices.
 
     Raises InputError where there is nothing to bake (no faces, not rendered, coordinates that are not finite,
     no extent along an axis, too small, too large or too far away) or Cycles would move the surface
@@ -129,7 +134,7 @@ def evaluate(scratch: bpy.types.Scene, original: bpy.types.Object) -> EvaluatedM
         rendered, instances = find_rendered(depsgraph, original)
         for complaint in failed_drivers(depsgraph.ids):
             log.warning(complaint)
-        return _read_checked(depsgraph, original, rendered, instances)
+        return _read_checked(depsgraph, original, rendered, instances, weights)
 
     mesh = render_with(scratch, read)
     _check(mesh)
@@ -164,11 +169,12 @@ def _read_checked(
     original: bpy.types.Object,
     rendered: bpy.types.Object | None,
     instances: int,
+    weights: str | None = None,
 ) -> EvaluatedMesh:
     if rendered is None:
         raise InputError(f"object '{original.name}' is hidden from render: nothing shows it there")
     refuse_adaptive_subdivision(rendered, depsgraph.scene)
-    return _read_object(original.name, rendered, instances)
+    return _read_object(original.name, rendered, instances, weights)
 
 
 def _check(mesh: EvaluatedMesh, *, warns: bool = True) -> None:
@@ -267,15 +273,17 @@ def _tiny(scratch: bpy.types.Scene) -> Iterator[None]:
         bpy.data.cameras.remove(lens)  # and the object with it
 
 
-def _read_object(name: str, rendered: bpy.types.Object, instances: int) -> EvaluatedMesh:
+def _read_object(name: str, rendered: bpy.types.Object, instances: int, weights: str | None) -> EvaluatedMesh:
     mesh = cast("bpy.types.Mesh", rendered.to_mesh())
     try:
-        return _read_mesh(name, mesh, rendered, instances)
+        return _read_mesh(name, mesh, rendered, instances, weights)
     finally:
         rendered.to_mesh_clear()
 
 
-def _read_mesh(name: str, mesh: bpy.types.Mesh, rendered: bpy.types.Object, instances: int) -> EvaluatedMesh:
+def _read_mesh(
+    name: str, mesh: bpy.types.Mesh, rendered: bpy.types.Object, instances: int, weights: str | None
+) -> EvaluatedMesh:
     if len(mesh.polygons) == 0:
         raise no_faces(name, instances)
     mesh.calc_loop_triangles()
@@ -295,7 +303,7 @@ def _read_mesh(name: str, mesh: bpy.types.Mesh, rendered: bpy.types.Object, inst
         triangles=triangles,
         normal=_cycles_normals(mesh, positions, vertices, corners, faces),
         flat=mesh.normals_domain == "FACE",
-        attributes=tuple(_attributes(mesh, take)),
+        attributes=(*_attributes(mesh, take), *_painted(rendered, mesh, used, weights)),
         materials=materials,
         material_index=np.clip(index, 0, max(len(materials) - 1, 0)),
         matrix_world=np.array(rendered.matrix_world, dtype=np.float64),
@@ -331,6 +339,12 @@ def _attributes(mesh: Any, take: dict[str, Ints]) -> Iterator[MeshAttribute]:
         name, width, dtype = ATTRIBUTE_LAYOUT[layer.data_type]
         values = _bulk(layer.data, name, len(layer.data), width, dtype)
         yield MeshAttribute(layer.name, layer.domain, layer.data_type, values[take[layer.domain]])
+
+
+def _painted(rendered: bpy.types.Object, mesh: Any, used: Ints, weights: str | None) -> list[MeshAttribute]:
+    """The attribute WEIGHT of the `used` vertices, if the mesh has the vertex group called `weights`."""
+    found = None if weights is None else read_weights(rendered, mesh, weights)
+    return [] if found is None else [MeshAttribute(WEIGHT, "POINT", "FLOAT", found[used])]
 
 
 def _cycles_normals(

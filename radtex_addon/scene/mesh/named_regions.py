@@ -13,6 +13,7 @@ import numpy as np
 from ...core.arrays import Bools, Floats
 from ...core.errors import InputError
 from .evaluated import find_rendered, render_with
+from .painted_weights import group_weights
 
 _HALF = 0.5  # a face is in a vertex group if its corners have this mean weight or more
 _LISTED = 8  # names in a message
@@ -107,11 +108,7 @@ def _places(rendered: bpy.types.Object, mesh: Any, name: str) -> Iterator[tuple[
 
 def _weights(mesh: Any, group: int) -> Floats:
     """The mean weight of each polygon's corners, (P,)."""
-    of_vertex = np.zeros(len(mesh.vertices))
-    for number, vertex in enumerate(mesh.vertices):
-        for element in vertex.groups:
-            if element.group == group:
-                of_vertex[number] = element.weight
+    of_vertex = group_weights(mesh, group, 0.0)
     corner = np.empty(len(mesh.loops), dtype=np.int32)
     mesh.loops.foreach_get("vertex_index", corner)
     start, total = (np.empty(len(mesh.polygons), dtype=np.int32) for _ in "ab")

@@ -39,6 +39,7 @@ from ..mesh.mesh_parts import taken
 from .artist_islands import ArtistIslands
 from .island_packing import Packed, pack_islands, packed_closer
 from .island_sizes import smaller_where_flat, smaller_where_hidden
+from .painted_sizes import sized_as_painted, times_as_many
 from .unwrap_options import AtlasUnwrap, UnwrapOptions
 from .uvunwrap_job import MERGED, check_uvunwrap, unwrap_progress
 from .xatlas_process import XatlasProcess, check_xatlas
@@ -86,13 +87,16 @@ def unwrap_steps(
     options: UnwrapOptions | None = None,
     artist: ArtistIslands | None = None,
     seen: Bools | None = None,
+    painted: Floats | None = None,
 ) -> Steps[AtlasUnwrap]:
     """Unwrap into an atlas whose longer side is `texels`, or as `options.density` needs, if given.
 
     What is in the `artist`'s islands stays as it is there, if that is worth it. Triangles that are not `seen`
-    (F,) get a quarter of the texels along each side; all are seen if it is None.
+    (F,) get a quarter of the texels along each side; all are seen if it is None. The weights that are
+    `painted` (F,), 0 to 1, multiply what each place gets, as `times_as_many` tells.
 
-    With a density, sides are multiples of `texel_density.STEP`, and at most `options.most`.
+    With a density, which weights of a half have, sides are multiples of `texel_density.STEP`, and at most
+    `options.most`.
 
     By `Unwrap.AUTO` without a density, flat islands get fewer texels than curved ones.
 
@@ -108,13 +112,13 @@ def unwrap_steps(
         _announce(evaluated, options)
     _check_area(evaluated)
     start = time.perf_counter()
-    given = _Given(artist, seen, by_need)
+    given = _Given(artist, seen, by_need, painted)
     if options.density is None:
         best = yield from _best(evaluated, texels, method, options, given)
         closer = yield from packed_closer(best.packed, texels, options.padding)
         best = replace(best, packed=closer)
     else:
-        about = about_side(_area(evaluated), options.density)
+        about = about_side(given.painted_area(evaluated), options.density)
         side = min(about, options.most)
         reachable = replace(options, density=options.density * side / about)
         best = yield from _best(evaluated, side, method, reachable, given)
@@ -166,6 +170,18 @@ class _Given:
     artist: ArtistIslands | None
     seen: Bools | None
     by_need: bool
+    painted: Floats | None
+
+    def sized(self, evaluated: EvaluatedMesh, flat: FlatIslands) -> FlatIslands:
+        """The islands, larger or smaller as was painted."""
+        return flat if self.painted is None else sized_as_painted(evaluated, flat, self.painted)
+
+    def painted_area(self, evaluated: EvaluatedMesh) -> float:
+        """About the area that the surface would have if it were as large as its texels are many."""
+        if self.painted is None:
+            return _area(evaluated)
+        area = areas_on_surface(evaluated.world_position, evaluated.triangles)
+        return float((area * times_as_many(self.painted) ** 2).sum())
 
 
 def _best(
@@ -204,8 +220,10 @@ def _best_of(
     best: _Try | None = None
     failure: InputError | None = None
     for flat in tries:
+        sized = given.sized(evaluated, flat)
+        grown = 1.0 if sized is flat else sized.area / flat.area
         try:
-            found = yield from _tried(evaluated, flat, texels, options)
+            found = yield from _tried(evaluated, sized, texels, options, grown)
         except InputError as error:
             failure = failure or error
             continue
@@ -267,12 +285,14 @@ class _Try:
     Of many texels those within a texel of a border, on both sides of it, do not count, as a seam shows there;
     of few a share remains, or sparse islands would be the best. Those that see the surface squeezed along
     some direction count less: see `FlatIslands`. With a density, `interior` is their share of the atlas that
-    has it, and `needed` is as in `AtlasUnwrap`.
+    has it, and `needed` is as in `AtlasUnwrap`. By what is painted, the islands have `grown` to so many times
+    their area.
     """
 
     flat: FlatIslands
     packed: Packed
     interior: float
+    grown: float
     needed: int = 0
 
     @property
@@ -282,7 +302,9 @@ class _Try:
         return float(np.abs(signed_areas(self.packed.uv)).sum()) / side**2
 
 
-def _tried(evaluated: EvaluatedMesh, flat: FlatIslands, texels: int, options: UnwrapOptions) -> Steps[_Try]:
+def _tried(
+    evaluated: EvaluatedMesh, flat: FlatIslands, texels: int, options: UnwrapOptions, grown: float
+) -> Steps[_Try]:
     packed = yield from _fitted(flat, texels, options)
     if packed.islands > flat.count:
         flat = islands_of(evaluated, flat.uv, packed.island)
@@ -291,7 +313,7 @@ def _tried(evaluated: EvaluatedMesh, flat: FlatIslands, texels: int, options: Un
     log.debug("%d islands, %.4g texels per unit, interior %.0f", flat.count, packed.density, interior)
     if options.density is not None:  # all show as much: the smallest is the best
         interior /= packed.width * packed.height * (options.density / packed.density) ** 2
-    return _Try(flat, packed, interior)
+    return _Try(flat, packed, interior, grown)
 
 
 def _fitted(flat: FlatIslands, texels: int, options: UnwrapOptions) -> Steps[Packed]:
@@ -310,7 +332,7 @@ def _at_density(evaluated: EvaluatedMesh, best: _Try, options: UnwrapOptions, de
 
     The size is as large as `options.most` allows. Sides become multiples of `STEP`, by free texels.
     """
-    surface = _area(evaluated)
+    surface = _area(evaluated) * best.grown
     flat, packed = best.flat, best.packed
     lacks = density / _reached(packed, surface)
     for _ in range(_PACKINGS):
@@ -346,7 +368,7 @@ def _with_cuts(evaluated: EvaluatedMesh, best: _Try, texels: int, options: Unwra
             break
         flat = cut
         try:
-            found = yield from _tried(evaluated, flat, texels, options)
+            found = yield from _tried(evaluated, flat, texels, options, best.grown)
         except InputError:  # too many islands now
             break
         if found.interior > best.interior:

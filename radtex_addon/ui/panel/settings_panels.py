@@ -20,7 +20,8 @@ from .main_panel import Sidebar, drawn
 _BY_HAND = frozenset(
     (
         *("variants", "frames", "layers"),
-        *("atlas_size", "uv_layer", "unwrap", "padding", "together", "atlas_name", "split", "part"),
+        *("atlas_size", "uv_layer", "unwrap", "texel_weights", "padding"),
+        *("together", "atlas_name", "split", "part"),
         *("source", "cage", "extrusion"),
         *("directory", "accumulate", "refresh", "where"),
         *("preview", "full_floats", "compression", "export_targets"),
@@ -149,4 +150,8 @@ def _draw_uv(column: Any, settings: BakeSettings, item: bpy.types.Object | None)
         column.prop(settings, "uv_layer", icon="GROUP_UVS")
     if not settings.uv_layer:
         column.prop(settings, "unwrap")
+        if item is not None and item.type == "MESH":
+            column.prop_search(settings, "texel_weights", item, "vertex_groups")
+        else:
+            column.prop(settings, "texel_weights")
         column.prop(settings, "padding")

@@ -93,6 +93,7 @@ def spec_of(values: Mapping[str, Any]) -> BakeSpec:
         "memory_mb": wishes.memory_mb,
         "half": not kind.full_floats or not values["full_floats"],
         "layers": _layers_of(values) if asked.layers and kind.layers else (),
+        "texel_weights": None if values["uv_layer"] else values["texel_weights"] or None,
         "split": None if values["split"] == "none" else values["split"],
         "part": values["part"] or None if values["split"] != "none" else None,
         "accumulate": more,

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -12,13 +12,12 @@ import bpy
 import numpy as np
 from PIL import Image
 
-from radtex_addon.core.surface import ray_offset
 from radtex_addon.formats.containers.exr import read_render
-from radtex_addon.forms.layered.files.layered_files import read_layered
-from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas, alpha_at
-from radtex_addon.report.finished_bake import Finished, find_bakes_of_all, read_bake
-from radtex_addon.report.gbuffer import Array, BakedSurface, CameraRays, eroded
+from radtex_addon.report.finished_bake import find_bakes_of_all, read_bake
+from radtex_addon.report.gbuffer import BakedSurface, CameraRays, eroded
+from radtex_addon.report.judging import FEWEST, resolved
 from radtex_addon.report.metrics import Mask, Picture, display, flip_map, glints_kept, psnr
+from radtex_addon.report.through import Shown, light_along
 from radtex_addon.scene.preview_file import appended
 
 from ..fidelity.methods.eevee import set_up
@@ -27,9 +26,6 @@ PIXELS = 256  # of a picture's side
 SAMPLES = 256  # of a reference's pixel, denoised
 _EEVEE_SAMPLES = 64
 _SUBSAMPLES = 3  # along a pixel's side
-_LAYERS = 6  # clear parts before each other
-_LEFT = 0.01  # of the light from behind: less is nothing
-_FEWEST = 30  # pixels of a part in a view, or it is not judged there
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,13 +39,10 @@ class View:
 
 
 @dataclass(frozen=True, eq=False)
-class Part:
-    """One object of a bake: its surface, the bake and its atlas."""
+class Part(Shown):
+    """One object of a bake."""
 
     name: str
-    surface: BakedSurface
-    bake: Finished
-    atlas: LayeredAtlas
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,7 +107,6 @@ def baked_parts(folder: Path) -> list[Part]:
     found = []
     for file in find_bakes_of_all(folder, "judged"):
         bake = read_bake(file)
-        atlas, _ = read_layered(file)
         names = getattr(bake.sidecar, "surfaces", ()) or (bake.sidecar.object_name,)
         with appended(bake.preview, tuple(names)) as copies:
             for copy in copies:
@@ -125,7 +117,7 @@ def baked_parts(folder: Path) -> list[Part]:
                 if copy is not None:
                     mesh: Any = copy.data
                     surface = BakedSurface(mesh, np.array(copy.matrix_world), bake.sidecar.uv_map)
-                    found.append(Part(copy.name, surface, bake, atlas))
+                    found.append(Part(surface, bake, copy.name))
     return found
 
 
@@ -135,63 +127,20 @@ def judge(parts: list[Part], view: View, sheet: Path) -> dict[str, Figures]:
     Pixels count that are wholly covered, but not where a clear part shows what is behind all parts, which no
     bake knows.
     """
-    light, who = _seen(parts, view.rays)
-    covered = (who >= 0).reshape(PIXELS, PIXELS, -1)
-    inside = covered.all(axis=2)
-    mean = np.where(covered[..., None], light.reshape(PIXELS, PIXELS, -1, 3), 0).sum(axis=2)
-    mean /= np.maximum(covered.sum(axis=2), 1)[..., None]
+    seen = light_along(parts, view.rays)
+    mean, owner = resolved(seen.light, seen.first, PIXELS)
+    inside = (owner >= 0).all(axis=2)
     shown = np.where(inside[..., None], mean, view.reference)
     whole = eroded(inside)
-    owner = who.reshape(PIXELS, PIXELS, -1)
     masks = {"all": whole}
     masks |= {part.name: whole & (owner == number).all(axis=2) for number, part in enumerate(parts)}
     apart = np.abs(display(shown) - display(view.reference))
     row = np.concatenate([display(view.reference), display(shown), np.clip(2 * apart, 0, 1)], axis=1)
     Image.fromarray((255 * row).astype(np.uint8)).save(sheet)
     found = {
-        name: Figures.of(shown, view.reference, mask) for name, mask in masks.items() if mask.sum() >= _FEWEST
+        name: Figures.of(shown, view.reference, mask) for name, mask in masks.items() if mask.sum() >= FEWEST
     }
     if view.eevee is not None:
         picture = np.where(inside[..., None], view.eevee, view.reference)
         found["Eevee"] = Figures.of(picture, view.reference, whole)
     return found
-
-
-def _seen(parts: list[Part], rays: CameraRays) -> tuple[Array, Array]:
-    """The light (N, 3) along rays, and the number of the first part that each meets, -1 for none."""
-    count = len(rays.away)
-    light, left = np.zeros((count, 3)), np.ones(count)
-    first = np.full(count, -1)
-    start = np.broadcast_to(rays.origin, rays.away.shape).copy()
-    some = np.arange(count)
-    step = max(ray_offset(part.surface.place) for part in parts)
-    for layer in range(_LAYERS):
-        near, met, shown, alpha = _nearest(parts, replace(rays, origin=start[some], away=rays.away[some]))
-        light[some] += left[some, None] * shown
-        if layer == 0:
-            first[some] = met
-        else:  # light from behind all parts is missing
-            first[some[(met < 0) & (left[some] > _LEFT)]] = -1
-        left[some] *= 1 - alpha
-        going = (met >= 0) & (left[some] > _LEFT)
-        some, near = some[going], near[going]
-        if not len(some):
-            break
-        start[some] += rays.away[some] * (near + step)[:, None]
-    return light, first
-
-
-def _nearest(parts: list[Part], rays: CameraRays) -> tuple[Array, Array, Array, Array]:
-    """Distance (N,), part (N,), light (N, 3) and alpha (N,) of what rays meet first; 0 and -1 for nothing."""
-    count = len(rays.away)
-    near, met = np.full(count, np.inf), np.full(count, -1)
-    light, alpha = np.zeros((count, 3)), np.zeros(count)
-    for number, part in enumerate(parts):
-        buffer = part.surface.gbuffer(rays, near)
-        hit = buffer.hit
-        if hit.any():
-            light[hit] = part.bake.radiance(buffer)[hit]
-            alpha[hit] = alpha_at(part.atlas, buffer.uv[hit])
-            near[hit] = np.linalg.norm(buffer.position[hit] - rays.origin[hit], axis=1)
-            met[hit] = number
-    return near, met, light, alpha

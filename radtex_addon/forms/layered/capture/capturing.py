@@ -17,7 +17,7 @@ import numpy as np
 from ....bake.light_samples import EndSamples, LightSamples
 from ....bake.piece_store import NO_STORE, Arrays, PieceStore
 from ....bake.plan import CapturePlan, plan_capture
-from ....bake.progress import Progress, Stage, relayed
+from ....bake.progress import Progress, Stage, StageParts, Steps, relayed
 from ....bake.thumbnail import Thumbnail
 from ....core.arrays import Bools, Floats, Ints
 from ....core.texel_map import TexelMap
@@ -29,6 +29,7 @@ from ....scene.lights.light import is_dark
 from ....scene.mesh.joined import values_in
 from ....scene.mesh.render_contents import matrices_in_renders, top_of_render
 from ....scene.scratch import find_view_layer, scene_copied
+from ....settings.layered_times import LayeredTimes
 from ....settings.rays import PROBE_CELLS, PROBES, LayeredRays, coarser, finer
 from ....settings.spec import BakeSpec
 from ..cells import EXIT_CELLS, OWN_RAYS, OWN_SIDE
@@ -81,10 +82,9 @@ def capture_layered(
     """Capture the scratch scene's prepared objects.
 
     With what is `around` a bake that is there, only what more samples of its light need. `surroundings` is
-    as in `BakeJob`. `folder` is for
-    temporary files; the `store` stores what is finished; the light is shown in the `thumbnail`. Yields
-    progress in texels, then in paths. Raises InputError where no texel is covered or the objects are clear
-    everywhere, BakeError where Cycles fails.
+    as in `BakeJob`. `folder` is for temporary files; the `store` stores what is finished; the light is shown
+    in the `thumbnail`. Yields progress, in milliseconds of what is typical. Raises InputError where no texel
+    is covered or the objects are clear everywhere, BakeError where Cycles fails.
     """
     originals = [item for item, _ in prepared.rendered]
     meshes = [mesh for _, mesh in prepared.rendered]
@@ -133,23 +133,24 @@ class _Captures:
         if prepared.part is not None or prepared.source is not None:
             radius = max(radius, *(_radius_around(body.places, middle) for body in bodies))
         of_ends = 0 if self.known is not None else rays.ends
-        total = count * (rays.light**2 + 2 * of_ends**2 + 1) + len(fine.texel)
-        yield Progress(Stage.CAPTURE, 0, total)
+        paths = count * (rays.light**2 + 2 * of_ends**2 + 1) + len(fine.texel)
+        times = LayeredTimes(count, replace(rays, ends=of_ends), own_side(count) ** 2, self.surroundings)
+        bar = StageParts(Stage.CAPTURE, times.capture)
+        yield bar.at("maps")
         faces = prepared.surface.material_numbers
         fine_maps = self._fine_maps(fine, triangle)
         coarse_maps = self._maps("coarse", plan(1))
         del fine, triangle  # they are as large as what is captured
+        yield bar.at("ends")
         lone = None if self.known is not None else self._ends(plan(rays.ends), middle)
-        done = 2 * count * of_ends**2
-        yield Progress(Stage.CAPTURE, done, total)
 
-        def in_paths(step: Progress) -> Progress:
-            return Progress(step.stage, done + step.done * rays.light**2, total)
+        def of_light(step: Progress) -> Progress:
+            return bar.at("light", step.done / step.total)
 
         with scene_copied(scratch) as copy:
             unseen = hidden.of_texels(np.isin(probe.texel, lit.texel)).cells
             steps = capture_samples(copy, lit, unseen, spec.seed, folder, self.store, self.thumbnail)
-            light = yield from relayed(steps, in_paths)
+            light = yield from relayed(steps, of_light)
         light = self._lit(replace(light, through=without_zeros(light.through)))
         material = texels.triangle.ravel()[lit.texel]
         if prepared.source is None:
@@ -157,21 +158,43 @@ class _Captures:
         else:
             own = self._source_rays(plan(own_side(count)), coarse, opacity.coarse)
         own = replace(own, rays=replace(own.rays, plan=lit))
-        yield Progress(Stage.SURROUNDINGS, 0, 1)
         through = lone is not None and lets_through(lone, light)
-        with enclosed(self.scratch, bodies if through else ()) as inside:
-            around, looked = self._around(lit, middle, radius, inside)
-            yield Progress(Stage.CAPTURE, total, total)
-            if lone is not None:
-                lone = replace(lone, plan=lit)  # all plans have the same texels, and each takes memory
-            exits = self._exits((*bodies, *inside), middle, radius, rays.exits) if through else None
-            own = self._with_misled(own, plan(own_side(count)), around, inside, rays.light**2 // 4)
+        if lone is not None:
+            lone = replace(lone, plan=lit)  # all plans have the same texels, and each takes memory
+        found = yield from self._surrounded(own, lit, plan(own_side(count)), (middle, radius), through, times)
+        own, around, exits, looked = found
         capture = opacity.bare(
             LayeredSamples(light, lone, own, around, fine_maps, coarse_maps, faces[material], exits)
         )
-        paths = total + len(probe.texel) * PROBES * PROBE_CELLS**2 + looked + opacity.rays + own.traced
+        paths += len(probe.texel) * PROBES * PROBE_CELLS**2 + looked + opacity.rays + own.traced
         paths += 0 if exits is None else 3 * exits.weight.size
         return Captured(capture, faces, material, paths, own.hit.size)
+
+    def _surrounded(
+        self,
+        own: OwnRays,
+        lit: CapturePlan,
+        own_plan: CapturePlan,
+        reach: tuple[Floats, float],
+        through: bool,
+        times: LayeredTimes,
+    ) -> Steps[tuple[OwnRays, Around, ExitSamples | None, int]]:
+        """Own rays with the misled ones, what surrounds the objects, what leaves them, and the paths of that.
+
+        `reach`: their middle and radius; `through`: they let light through.
+        """
+        bar = StageParts(Stage.SURROUNDINGS, times.around_clear if through else times.around)
+        yield bar.at("pictures")
+        with enclosed(self.scratch, self.bodies if through else ()) as inside:
+            around, looked = self._around(lit, *reach, inside)
+            exits = None
+            if through:
+                yield bar.at("exits")
+                exits = self._exits((*self.bodies, *inside), *reach, times.rays.exits)
+            yield bar.at("misled")
+            own = self._with_misled(own, own_plan, around, inside, times.rays.light**2 // 4)
+        yield bar.end()
+        return own, around, exits, looked
 
     def _lit(self, light: LightSamples) -> LightSamples:
         """The light itself; a warning says if there is none in a scene that should have some."""
