@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from math import inf
 from pathlib import Path
 
 import bpy
@@ -13,7 +14,7 @@ import pytest
 from radtex_addon.core.messages import Setting
 from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.settings import spec as bake_spec
-from radtex_addon.ui.panel import panel_state
+from radtex_addon.ui.panel import forecast, panel_state
 from radtex_addon.ui.panel.labels import LABELS
 from radtex_addon.ui.settings.presets import apply_preset
 from radtex_addon.ui.settings.request import spec_of, values_of, values_with
@@ -95,10 +96,14 @@ def test_what_is_baked_is_told_exactly_and_the_cost_is_of_the_estimate() -> None
     assert "about" in sizes()[0]
 
 
-def test_many_objects_have_eight_lines_and_a_count() -> None:
+@pytest.mark.parametrize(("patience", "lines"), [(inf, 9), (0.0, 2)], ids=["enough time", "none"])
+def test_many_objects_have_eight_lines_and_a_count(
+    patience: float, lines: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
     for number in range(10):
         cube(f"Cup {number}", 1)
     bpy.ops.object.select_all(action="SELECT")
     settings().atlas_size = "density"
-    assert len(sizes()) == 9
-    assert sizes()[-1] == "and 2 more"
+    monkeypatch.setattr(forecast, "_PATIENCE", patience)
+    assert len(sizes()) == lines
+    assert sizes()[-1] == f"and {11 - lines} more"

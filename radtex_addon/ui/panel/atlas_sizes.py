@@ -18,14 +18,14 @@ if TYPE_CHECKING:
 _MOST = 8  # lines
 
 
-def told_sizes(scene: bpy.types.Scene, chosen: Chosen, folder: Path) -> tuple[str, ...]:
+def told_sizes(scene: bpy.types.Scene, chosen: Chosen, folder: Path, unseen: int = 0) -> tuple[str, ...]:
     """A line for each atlas whose size follows from a density: of a bake in `folder`, or an estimate.
 
-    Atlases beyond `_MOST` are counted in a last line.
+    Atlases beyond `_MOST` are counted in a last line, and so many that were `unseen` for lack of time.
     """
     bakes = [(name, choice.spec) for name, choice in chosen if name and choice.spec.density is not None]
     lines = [_told(scene, name, spec, folder) for name, spec in bakes[:_MOST]]
-    if more := len(bakes) - len(lines):
+    if more := len(bakes) - len(lines) + (unseen if lines else 0):
         lines.append(iface_("and {} more").format(more))
     return tuple(lines)
 

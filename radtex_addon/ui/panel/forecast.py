@@ -120,7 +120,8 @@ def _of_group(scene: bpy.types.Scene, group: BakedGroup, patience: float) -> For
         found = replace(found, layout=told_layouts(values, begun))
     if found.seconds is not None and not found.errors:
         found = replace(found, seconds=found.seconds * _count_of_variants(scene, request))
-    return replace(found, folder=request.folder, sizes=told_sizes(scene, chosen, request.folder))
+    unseen = 0 if spec.objects else max(len(names) - len(chosen), 0)
+    return replace(found, folder=request.folder, sizes=told_sizes(scene, chosen, request.folder, unseen))
 
 
 def _count_of_variants(scene: bpy.types.Scene, request: BakeRequest) -> int:
