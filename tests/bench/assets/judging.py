@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Compare baked assets of several parts with path-traced pictures from the scene's cameras, part by part."""
+"""Compare baked assets of several parts, and other pictures of them, with path-traced ones, part by part."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ import numpy as np
 from PIL import Image
 
 from radtex_addon.core.surface import ray_offset
-from radtex_addon.formats.containers.exr import read_render
 from radtex_addon.forms.layered.files.layered_files import read_layered
 from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas, alpha_at
 from radtex_addon.report.finished_bake import Finished, find_bakes_of_all, read_bake
@@ -21,25 +20,11 @@ from radtex_addon.report.gbuffer import Array, BakedSurface, CameraRays, eroded
 from radtex_addon.report.metrics import Mask, Picture, display, flip_map, glints_kept, psnr
 from radtex_addon.scene.preview_file import appended
 
-from ..fidelity.methods.eevee import set_up
+from .views import PIXELS, View
 
-PIXELS = 256  # of a picture's side
-SAMPLES = 256  # of a reference's pixel, denoised
-_EEVEE_SAMPLES = 64
-_SUBSAMPLES = 3  # along a pixel's side
 _LAYERS = 6  # clear parts before each other
 _LEFT = 0.01  # of the light from behind: less is nothing
 _FEWEST = 30  # pixels of a part in a view, or it is not judged there
-
-
-@dataclass(frozen=True, eq=False)
-class View:
-    """A path-traced picture by one of the scene's cameras, the rays of its pixels, and Eevee's picture."""
-
-    name: str
-    reference: Picture
-    rays: CameraRays
-    eevee: Picture | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,50 +58,13 @@ class Figures:
         )
 
 
-def traced_views(folder: Path, eevee: bool) -> list[View]:
-    """Path trace the open scene from each of its cameras whose name begins with "view", in order of names.
-
-    With `eevee` that renders them, too, with ray tracing; the scene is then set to it.
-    """
-    scene: Any = bpy.context.scene
-    scene.render.resolution_x = scene.render.resolution_y = PIXELS
-    scene.render.resolution_percentage = 100
-    scene.render.image_settings.file_format = "OPEN_EXR"
-    scene.cycles.samples, scene.cycles.use_denoising, scene.cycles.seed = SAMPLES, True, 7
-    cameras = [item for item in scene.objects if item.type == "CAMERA" and item.name.startswith("view")]
-    cameras.sort(key=lambda item: str(item.name))
-    traced = [_rendered(camera, folder) for camera in cameras]
-    if eevee:
-        set_up(scene, PIXELS, _EEVEE_SAMPLES)
-    compared = [_rendered(camera, folder) if eevee else None for camera in cameras]
-    found = []
-    for camera, picture, other in zip(cameras, traced, compared, strict=True):
-        matrix = np.array(camera.matrix_world)
-        half = camera.data.sensor_width / 2 / camera.data.lens
-        rays = CameraRays.of_camera(matrix[:3, 3], matrix[:3, :3], half, PIXELS, _SUBSAMPLES)
-        found.append(View(camera.name, picture, rays, other))
-    return found
-
-
-def _rendered(camera: Any, folder: Path) -> Picture:
-    scene: Any = bpy.context.scene
-    file = folder / "view.exr"
-    scene.camera = camera
-    scene.render.filepath = str(file)
-    bpy.ops.render.render(write_still=True)
-    (found,) = read_render(file).values()
-    picture: Picture = found[::-1, :, :3].astype(np.float64)
-    return picture
-
-
 def baked_parts(folder: Path) -> list[Part]:
     """The objects of all bakes in a folder, which have previews."""
     found = []
     for file in find_bakes_of_all(folder, "judged"):
         bake = read_bake(file)
         atlas, _ = read_layered(file)
-        names = getattr(bake.sidecar, "surfaces", ()) or (bake.sidecar.object_name,)
-        with appended(bake.preview, tuple(names)) as copies:
+        with appended(bake.preview, bake.sidecar.surfaces) as copies:
             for copy in copies:
                 if copy is not None:
                     bpy.context.scene.collection.objects.link(copy)
@@ -130,10 +78,10 @@ def baked_parts(folder: Path) -> list[Part]:
 
 
 def judge(parts: list[Part], view: View, sheet: Path) -> dict[str, Figures]:
-    """Figures of a view, "all" and by part's name; writes a sheet: traced, baked, and twice their difference.
+    """Figures of a view: "all" and by part's name of the bake, and by name of its other pictures.
 
-    Pixels count that are wholly covered, but not where a clear part shows what is behind all parts, which no
-    bake knows.
+    Writes a sheet: traced, baked, the others; below them twice their difference. Pixels count that are wholly
+    covered, but not where a clear part shows what is behind all parts, which no bake knows.
     """
     light, who = _seen(parts, view.rays)
     covered = (who >= 0).reshape(PIXELS, PIXELS, -1)
@@ -145,16 +93,22 @@ def judge(parts: list[Part], view: View, sheet: Path) -> dict[str, Figures]:
     owner = who.reshape(PIXELS, PIXELS, -1)
     masks = {"all": whole}
     masks |= {part.name: whole & (owner == number).all(axis=2) for number, part in enumerate(parts)}
-    apart = np.abs(display(shown) - display(view.reference))
-    row = np.concatenate([display(view.reference), display(shown), np.clip(2 * apart, 0, 1)], axis=1)
-    Image.fromarray((255 * row).astype(np.uint8)).save(sheet)
+    others = {
+        name: np.where(inside[..., None], picture, view.reference) for name, picture in view.others.items()
+    }
+    _save_sheet([view.reference, shown, *others.values()], sheet)
     found = {
         name: Figures.of(shown, view.reference, mask) for name, mask in masks.items() if mask.sum() >= _FEWEST
     }
-    if view.eevee is not None:
-        picture = np.where(inside[..., None], view.eevee, view.reference)
-        found["Eevee"] = Figures.of(picture, view.reference, whole)
-    return found
+    return found | {name: Figures.of(other, view.reference, whole) for name, other in others.items()}
+
+
+def _save_sheet(pictures: list[Picture], path: Path) -> None:
+    """A row of pictures, and below twice the difference from the first."""
+    shown = [display(picture) for picture in pictures]
+    apart = [np.clip(2 * np.abs(picture - shown[0]), 0, 1) for picture in shown]
+    rows = np.concatenate([np.concatenate(shown, axis=1), np.concatenate(apart, axis=1)])
+    Image.fromarray((255 * rows).astype(np.uint8)).save(path)
 
 
 def _seen(parts: list[Part], rays: CameraRays) -> tuple[Array, Array]:
@@ -166,7 +120,7 @@ def _seen(parts: list[Part], rays: CameraRays) -> tuple[Array, Array]:
     some = np.arange(count)
     step = max(ray_offset(part.surface.place) for part in parts)
     for layer in range(_LAYERS):
-        near, met, shown, alpha = _nearest(parts, replace(rays, origin=start[some], away=rays.away[some]))
+        near, met, shown, alpha = nearest(parts, replace(rays, origin=start[some], away=rays.away[some]))
         light[some] += left[some, None] * shown
         if layer == 0:
             first[some] = met
@@ -181,7 +135,7 @@ def _seen(parts: list[Part], rays: CameraRays) -> tuple[Array, Array]:
     return light, first
 
 
-def _nearest(parts: list[Part], rays: CameraRays) -> tuple[Array, Array, Array, Array]:
+def nearest(parts: list[Part], rays: CameraRays) -> tuple[Array, Array, Array, Array]:
     """Distance (N,), part (N,), light (N, 3) and alpha (N,) of what rays meet first; 0 and -1 for nothing."""
     count = len(rays.away)
     near, met = np.full(count, np.inf), np.full(count, -1)
