@@ -9,7 +9,8 @@
     python -m tests.bench.assets … --three --eevee                beside what needs no bake
     python -m tests.bench.assets … --close-ups view0:128:64 --programs    near by, in all that shows bakes
 
-Prints a table of views and parts, and leaves figures.json and a sheet of pictures for each view in DIR. A
+Prints a table of views and parts, and leaves figures.json and a sheet of pictures for each view in DIR. With
+--baked figures are added to those of the same asset that figures.json has, so that ways may be run in turn. A
 scene has cameras view0, view1 and so on. What follows -- goes to the bake.
 """
 
@@ -21,6 +22,7 @@ import resource
 import sys
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 import bpy
 import numpy as np
@@ -69,18 +71,24 @@ class Result:
         name, seconds = (self.name, f"{self.seconds:.0f}") if way == BAKED else (f"{self.name}, {way}", "")
         return f"| {' | '.join([name, *means])} | {worst:.1f} | {seconds} |"
 
-    def to_json(self) -> dict[str, object]:
-        """All figures."""
-        views = {
-            view: {part: asdict(one) for part, one in found.items()} for view, found in self.views.items()
-        }
+    def to_json(self) -> dict[str, Any]:
+        """All figures, None for those that are not there."""
+        ways = (BAKED, *self.others)
         return {
-            "mean": {
-                way: {field: self.mean(field, way) for field in _MEANS} for way in (BAKED, *self.others)
-            },
-            "seconds": self.seconds,
-            "views": views,
+            "mean": {way: {field: _kept(self.mean(field, way)) for field in _MEANS} for way in ways},
+            "seconds": _kept(self.seconds),
+            "views": {view: _told(found) for view, found in self.views.items()},
         }
+
+
+def _told(found: dict[str, Figures]) -> dict[str, dict[str, float | None]]:
+    return {
+        name: {field: _kept(value) for field, value in asdict(one).items()} for name, one in found.items()
+    }
+
+
+def _kept(value: float) -> float | None:
+    return None if np.isnan(value) else round(value, 4)
 
 
 def main() -> None:
@@ -92,13 +100,24 @@ def main() -> None:
         folder = options.out / name.replace(" ", "-")
         folder.mkdir(exist_ok=True)
         results.append(_result(name, folder, options, more))
-        record = {result.name: result.to_json() for result in results}
-        (options.out / "figures.json").write_text(json.dumps(record, indent=1) + "\n")
+        _record(results, options.out / "figures.json", add=options.baked is not None)
     print("\n| asset | mean dB | FLIP | energy | glints kept | worst view, dB | seconds of processor |")
     print("|---|---|---|---|---|---|---|")
     for result in sorted(results, key=lambda one: one.mean("psnr")):
         for way in (BAKED, *result.others):
             print(result.row(way))
+
+
+def _record(results: list[Result], path: Path, *, add: bool) -> None:
+    """Write all figures, or `add` them to those of the same assets that the file has."""
+    before = json.loads(path.read_text(encoding="utf-8")) if add and path.exists() else {}
+    record = {result.name: result.to_json() for result in results}
+    for name, facts in record.items():
+        known = before.get(name, {"mean": {}, "views": {}})
+        facts["mean"] = known["mean"] | facts["mean"]
+        for view, found in facts["views"].items():
+            facts["views"][view] = known["views"].get(view, {}) | found
+    path.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
 
 
 def _result(name: str, folder: Path, options: argparse.Namespace, more: list[str]) -> Result:
@@ -138,8 +157,13 @@ def _views(pictures: Pictures, parts: list[Part], options: argparse.Namespace) -
     ]
     views = [View(camera, pictures.traced(camera)) for camera in [*cameras, *near]]
     for view in views if options.eevee else []:
-        view.others["Eevee"] = pictures.by_eevee(view.camera)
+        view.others["Eevee"] = pictures.by_eevee(view.camera, _objects(parts))
     return views
+
+
+def _objects(parts: list[Part]) -> list[str]:
+    """The scene's objects that were baked."""
+    return sorted({name for part in parts for name in part.bake.sidecar.surfaces})
 
 
 def _show(
@@ -149,8 +173,7 @@ def _show(
     cameras = [view.camera for view in views]
     with programs(pictures.folder / "shown") as showing:
         if options.three:
-            objects = [name for part in {part.bake for part in parts} for name in part.sidecar.surfaces]
-            write_page(pictures, objects, showing.site.folder / "three")
+            write_page(pictures, _objects(parts), showing.site.folder / "three")
             taken = pictures_by_three(showing.site, "three", cameras)
             for view, picture in zip(views, taken, strict=True):
                 view.others["MeshPhysicalMaterial"] = picture

@@ -69,11 +69,11 @@ def baked_parts(folder: Path) -> list[Part]:
                 if copy is not None:
                     bpy.context.scene.collection.objects.link(copy)
             bpy.context.view_layer.update()  # only then do they stand in their places
-            for copy in copies:
+            for name, copy in zip(bake.sidecar.surfaces, copies, strict=True):
                 if copy is not None:
                     mesh: Any = copy.data
                     surface = BakedSurface(mesh, np.array(copy.matrix_world), bake.sidecar.uv_map)
-                    found.append(Part(copy.name, surface, bake, atlas))
+                    found.append(Part(name, surface, bake, atlas))
     return found
 
 

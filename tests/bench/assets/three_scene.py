@@ -16,14 +16,13 @@ import bpy
 import numpy as np
 
 from radtex_addon.core.errors import InputError
-from radtex_addon.report.gbuffer import Array
 from radtex_addon.report.metrics import Picture
 from tests.real.browser import TO_GLTF, decoded
 from tests.real.exhibit import Camera
 from tests.real.web import Site, install_packages, node
 
 from .programs import averaged
-from .views import SUBSAMPLES, Pictures
+from .views import SUBSAMPLES, Pictures, bounds
 
 PAGE = Path(__file__).parent / "three_page.js"
 _HEIGHT, _SAMPLES = 1024, 64  # of the probe's picture, and of its pixels
@@ -41,7 +40,8 @@ def write_page(pictures: Pictures, objects: list[str], folder: Path) -> None:
     areas = [item.name for item in scene.objects if item.type == "LIGHT" and item.data.type == "AREA"]
     if areas:
         raise InputError(f"area lamp {areas[0]} has no counterpart in glTF: make it a mesh that emits light")
-    probe = pictures.panorama(_middle(objects), objects, _HEIGHT, _SAMPLES)
+    middle = np.mean(bounds(objects), axis=0)
+    probe = pictures.panorama(middle, objects, _HEIGHT, _SAMPLES)
     values = np.ones((*probe.shape[:2], 4), np.float16)
     values[..., :3] = np.clip(probe[::-1], 0, _BRIGHTEST)
     (folder / "probe.bin").write_bytes(values.tobytes())
@@ -77,14 +77,3 @@ def pictures_by_three(site: Site, name: str, cameras: list[Camera]) -> list[Pict
             light = decoded(text).reshape(side, side, 4)[::-1, :, :3].astype(np.float64)
             found.append(averaged(light))
     return found
-
-
-def _middle(objects: list[str]) -> Array:
-    corners = [
-        np.array(item.matrix_world) @ [*corner, 1]
-        for item in (bpy.data.objects[name] for name in objects)
-        for corner in item.bound_box
-    ]
-    points = np.array(corners)[:, :3]
-    middle: Array = (points.min(axis=0) + points.max(axis=0)) / 2
-    return middle

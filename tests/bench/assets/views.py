@@ -9,7 +9,7 @@ import json
 from dataclasses import asdict, dataclass, field
 from math import atan, degrees, radians, tan
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import bpy
 import numpy as np
@@ -108,13 +108,19 @@ class Pictures:
         """By Cycles."""
         return self._kept(camera, "cycles", _set_up_cycles)
 
-    def by_eevee(self, camera: Camera) -> Picture:
-        """By Eevee, whose settings the open scene has from then on.
+    def by_eevee(self, camera: Camera, objects: list[str]) -> Picture:
+        """By Eevee, as an artist sets it up for the asset, which is of these objects.
 
-        Reflections are traced in the whole picture's resolution; shadows and the sun that Eevee takes out of
-        the world are on.
+        Reflections are traced in the picture's full resolution, and a sphere probe in the asset's middle sees
+        what is not of it. Eevee takes no sun out of the world: a studio's lamp becomes one with hard shadows,
+        and too bright. A baked volume of probes is left out: it made the helmet of docs/results.md worse.
         """
-        return self._kept(camera, "eevee", _set_up_eevee)
+
+        def set_up_probe(scene: Any, camera: Any) -> None:
+            _set_up_eevee(scene)
+            _add_probe(scene, objects)
+
+        return self._kept(camera, "eevee with a probe", set_up_probe)
 
     def panorama(self, place: Array, hidden: list[str], height: int, samples: int) -> Picture:
         """What lies around a place (3,), by Cycles, without the `hidden` objects: (height, 2 height, 3).
@@ -166,7 +172,7 @@ def _placed(scene: Any, camera: Camera) -> Any:
     return item
 
 
-def _set_up_cycles(scene: Any, camera: Any) -> None:  # as the others
+def _set_up_cycles(scene: Any, camera: Any) -> None:
     scene.render.engine = "CYCLES"
     scene.render.resolution_x = scene.render.resolution_y = PIXELS
     scene.render.resolution_percentage = 100
@@ -174,9 +180,32 @@ def _set_up_cycles(scene: Any, camera: Any) -> None:  # as the others
     scene.cycles.samples, scene.cycles.use_denoising, scene.cycles.seed = SAMPLES, True, 7
 
 
-def _set_up_eevee(scene: Any, camera: Any) -> None:  # as the others
+def _set_up_eevee(scene: Any) -> None:
     set_up(scene, PIXELS, EEVEE_SAMPLES)
     scene.eevee.use_shadows = True
     scene.eevee.ray_tracing_options.resolution_scale = "1"
     scene.eevee.fast_gi_resolution = "1"
-    scene.world.use_sun_shadow = True
+    if scene.world is not None:
+        scene.world.sun_threshold = 0
+
+
+def _add_probe(scene: Any, objects: list[str]) -> None:
+    low, high = bounds(objects)
+    data: Any = bpy.data.lightprobes.new("Sphere", "SPHERE")
+    data.influence_distance = float(np.linalg.norm(high - low))
+    probe = bpy.data.objects.new("Sphere", data)
+    probe.location = ((low + high) / 2).tolist()
+    scene.collection.objects.link(probe)
+    for name in objects:
+        cast(Any, bpy.data.objects[name]).hide_probe_sphere = True
+
+
+def bounds(objects: list[str]) -> tuple[Array, Array]:
+    """The lowest and highest corners of a box in world space around objects of the open file."""
+    corners = [
+        np.array(item.matrix_world) @ [*corner, 1]
+        for item in (bpy.data.objects[name] for name in objects)
+        for corner in cast(Any, item).bound_box
+    ]
+    points = np.array(corners)[:, :3]
+    return points.min(axis=0), points.max(axis=0)
