@@ -93,6 +93,7 @@ def _stand_alone(scene: Any, name: str) -> None:
 def _placed(scene: Any, camera: Camera) -> Any:
     data = bpy.data.cameras.new(camera.name)
     data.sensor_fit, data.angle = "HORIZONTAL", np.radians(camera.fovy)
+    data.clip_start = 1e-3  # of close-ups
     item = bpy.data.objects.new(camera.name, data)
     item.matrix_world = camera.matrix
     scene.collection.objects.link(item)

@@ -24,6 +24,7 @@ from tests.real.preview_shot import Shots
 from tests.real.root import Root
 from tests.real.web import Site
 
+from ..engines.programs import blended
 from .views import SUBSAMPLES
 
 _RENDERER = "Forward+"  # Godot's own choice on a computer
@@ -60,13 +61,14 @@ def averaged(picture: Picture) -> Picture:
 
 
 def _by_page(sidecar: Path, cameras: list[Camera], site: Site) -> list[Picture]:
+    """As on the screen, where clear parts are blended, and what is brighter than white is clipped."""
     finished(export_steps(sidecar, ExportSpec(Target.WEB), site.folder / "web", overwrite=True))
     side, found = cameras[0].pixels, []
     with site.opened("web/", width=side, height=side, device_scale_factor=1) as shown:
         shown.wait()
         for camera in cameras:
             shown.set_camera(camera)
-            found.append(shown.pixels()[..., :3].astype(np.float64))
+            found.append(blended(shown, np.zeros((side // SUBSAMPLES, side // SUBSAMPLES, 3))))
     return found
 
 
