@@ -111,11 +111,18 @@ def bake_pair(folder: Path) -> None:
 
 
 def bake_behind_pane(folder: Path) -> None:
-    """Bake a box behind a half clear pane, whose name comes first, each of images, in one atlas."""
+    """Bake a box between two half clear panes, which are one object, each of images, in one atlas.
+
+    The middle of both panes is further from the cameras than the box's.
+    """
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     stage.hdri(stage.world())
     crate(texture_set())
     bpy.ops.mesh.primitive_plane_add(size=3, location=(1.2, -1.6, 1.6), rotation=(1.0, 0, 0.6))
+    front = context.object
+    bpy.ops.mesh.primitive_plane_add(size=0.5, location=(-3, 9, 0.5), rotation=(1.0, 0, 0.6))
+    front.select_set(True)
+    bpy.ops.object.join()
     pane = context.object
     pane.name = "A Pane"
     pane.data.uv_layers[0].name = UVS

@@ -72,7 +72,7 @@ def test_the_page_shows_what_the_preview_does(web: Site, crate: Bake, wanted: li
 def test_the_page_shows_what_lies_behind_a_clear_part(
     web: Site, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
-    """Parts are drawn in the order of their names, unless those that hide what lies behind are told apart."""
+    """By their middles the order of the parts would be wrong: those that are not clear are drawn first."""
     bake = Bake(finished_bake(tmp_path_factory.mktemp("pane"), bake_behind_pane))
     camera, folder = CAMERAS[0], tmp_path_factory.mktemp("shots")
     pane, box = (
