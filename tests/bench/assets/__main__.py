@@ -9,9 +9,9 @@
     python -m tests.bench.assets … --three --eevee                beside what needs no bake
     python -m tests.bench.assets … --close-ups view0:128:64 --programs    near by, in all that shows bakes
 
-Prints a table of views and parts, and leaves figures.json and a sheet of pictures for each view in DIR. With
---baked figures are added to those of the same asset that figures.json has, so that ways may be run in turn. A
-scene has cameras view0, view1 and so on. What follows -- goes to the bake.
+Prints a table of views and parts, and leaves figures.json, a sheet of pictures for each view, and overviews
+in DIR. With --baked figures are added to those of the same asset that figures.json has, so that ways may be
+run in turn. A scene has cameras view0, view1 and so on. What follows -- goes to the bake.
 """
 
 from __future__ import annotations
@@ -32,12 +32,13 @@ from radtex_addon.cli.main import main as bake_py
 from ..engines.__main__ import programs
 from .close_ups import Spot, close_up
 from .drawn import draw_asset
-from .judging import Figures, Part, baked_parts, judge
+from .judging import Figures, Part, baked_parts, judge, save_overview
 from .programs import pictures_by_programs
 from .three_scene import pictures_by_three, write_page
 from .views import Pictures, View, scene_cameras
 
 ASSET = "asset"
+VIEW = "view"  # begins the names of the scene's cameras
 CLOSE = "close"  # begins the names of close-ups, which count in no mean
 BAKED = "all"
 _MEANS = {"psnr": 1, "flip": 3, "energy": 2, "glints": 2}  # digits
@@ -142,6 +143,9 @@ def _result(name: str, folder: Path, options: argparse.Namespace, more: list[str
     if options.three or options.programs:
         _show(views, parts, bakes, Pictures(scene, folder), options)
     figures = {view.name: judge(parts, view, folder / f"{view.name}.png") for view in views}
+    for kind in (VIEW, CLOSE):
+        shown = [folder / f"{view.name}.png" for view in views if view.name.startswith(kind)]
+        save_overview(shown, folder / f"{kind}s.jpg")
     for view, found in figures.items():
         for part, one in found.items():
             told = f"{one.psnr:6.2f} dB  {one.flip:.3f}  {one.energy:.2f}  {one.glints:.2f}"

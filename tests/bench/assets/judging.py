@@ -111,6 +111,16 @@ def _save_sheet(pictures: list[Picture], path: Path) -> None:
     Image.fromarray((255 * rows).astype(np.uint8)).save(path)
 
 
+def save_overview(sheets: list[Path], path: Path) -> None:
+    """The pictures of some sheets, a row for each, without their differences, as a JPEG."""
+    rows = []
+    for sheet in sheets:
+        with Image.open(sheet) as image:
+            rows.append(np.asarray(image.crop((0, 0, image.width, PIXELS))))
+    if rows:
+        Image.fromarray(np.concatenate(rows)).save(path, quality=88)
+
+
 def _seen(parts: list[Part], rays: CameraRays) -> tuple[Array, Array]:
     """The light (N, 3) along rays, and the number of the first part that each meets, -1 for none."""
     count = len(rays.away)

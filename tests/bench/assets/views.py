@@ -112,7 +112,7 @@ class Pictures:
         """By Eevee, as an artist sets it up for the asset, which is of these objects.
 
         Reflections are traced in the picture's full resolution, and a sphere probe in the asset's middle sees
-        what is not of it. Eevee takes no sun out of the world: a studio's lamp becomes one with hard shadows,
+        what is not of it; no light is clamped. Eevee takes no sun out of the world: a studio's lamp becomes one with hard shadows,
         and too bright. A baked volume of probes is left out: it made the helmet of docs/results.md worse.
         """
 
@@ -120,7 +120,7 @@ class Pictures:
             _set_up_eevee(scene)
             _add_probe(scene, objects)
 
-        return self._kept(camera, "eevee with a probe", set_up_probe)
+        return self._kept(camera, "eevee with a probe, unclamped", set_up_probe)
 
     def panorama(self, place: Array, hidden: list[str], height: int, samples: int) -> Picture:
         """What lies around a place (3,), by Cycles, without the `hidden` objects: (height, 2 height, 3).
@@ -183,6 +183,9 @@ def _set_up_cycles(scene: Any, camera: Any) -> None:
 def _set_up_eevee(scene: Any) -> None:
     set_up(scene, PIXELS, EEVEE_SAMPLES)
     scene.eevee.use_shadows = True
+    scene.eevee.clamp_surface_direct = scene.eevee.clamp_surface_indirect = (
+        0  # or a lamp's mirror image is dull
+    )
     scene.eevee.ray_tracing_options.resolution_scale = "1"
     scene.eevee.fast_gi_resolution = "1"
     if scene.world is not None:
