@@ -112,8 +112,9 @@ class Pictures:
         """By Eevee, as an artist sets it up for the asset, which is of these objects.
 
         Reflections are traced in the picture's full resolution, and a sphere probe in the asset's middle sees
-        what is not of it; no light is clamped. Eevee takes no sun out of the world: a studio's lamp becomes one with hard shadows,
-        and too bright. A baked volume of probes is left out: it made the helmet of docs/results.md worse.
+        what is not of it; no light is clamped. Eevee takes no sun out of the world: a studio's lamp becomes
+        one with hard shadows, and too bright. A baked volume of probes is left out: it made the helmet of
+        docs/results.md worse.
         """
 
         def set_up_probe(scene: Any, camera: Any) -> None:
