@@ -126,12 +126,14 @@ def assets_table(found: dict[str, Any]) -> str:
 
 
 def close_ups_table(found: dict[str, Any]) -> str:
-    """PSNR of each way in each close-up."""
+    """PSNR in each close-up of the ways that show all of them."""
     (facts,) = found.values()
     near = [view for name, view in facts["views"].items() if name.startswith(CLOSE)]
     head = ["PSNR, dB", *(str(number) for number in range(1, len(near) + 1))]
     lines = [
-        [_ASSET_WAYS.get(way, way), *(f"{view[way]['psnr']:.1f}" for view in near)] for way in facts["mean"]
+        [_ASSET_WAYS.get(way, way), *(f"{view[way]['psnr']:.1f}" for view in near)]
+        for way in facts["mean"]
+        if all(way in view for view in near)
     ]
     return _table(head, lines)
 
