@@ -36,6 +36,7 @@ from .quantised import quantise
 
 EXTENSION = "RADTEX_radiance_texture"
 UNLIT = "KHR_materials_unlit"
+OPAQUE = "radtex_opaque"  # in a material's extras: it hides what lies behind, beside others that are clear
 _EXPORTER = "io_scene_gltf2"
 _CARRIED = {NORMAL: "_RADTEX_NORMAL", TANGENT: "_RADTEX_TANGENT", SIGN: "_RADTEX_SIGN"}
 _PLACE = "RadTex "  # how temporary materials' names begin, before the place of their slot
@@ -306,6 +307,7 @@ def add_materials(
     """Add a material for each of these `numbers`, as `BakedMesh` has them. `name` begins their names.
 
     `texture` is the flat lightmap's, for those without `pictures`; if `clear`, its alpha is blended.
+    Where the bake has an alpha, materials of pictures that hide what lies behind them are marked OPAQUE.
     """
     document = images.document
     layered = manifest.shader is not None
@@ -314,12 +316,15 @@ def add_materials(
         facts = {EXTENSION: extension_facts(manifest, number if layered else None)}
         own = pictures.get(number)
         shown = _flat_material(texture, facts, clear) if own is None else images.material(own, facts)
+        extras: dict[str, Any] = {MATERIAL: number} if number or len(numbers) > 1 else {}
+        if "alpha" in manifest.textures and own is not None and not own.facts.clear:
+            extras[OPAQUE] = True
         document["materials"].append(
             {
                 "name": f"{name} radiance" + (f" {place}" if place else ""),
                 "doubleSided": not culled,
                 **shown,
-                **({"extras": {MATERIAL: number}} if number or len(numbers) > 1 else {}),
+                **({"extras": extras} if extras else {}),
             }
         )
     unlit = any(number not in pictures for number in numbers)

@@ -110,6 +110,39 @@ def bake_pair(folder: Path) -> None:
     bpy.ops.wm.save_as_mainfile(filepath=str(folder / SCENE))
 
 
+def bake_behind_pane(folder: Path) -> None:
+    """Bake a box between two half clear panes, which are one object, each of images, in one atlas.
+
+    The middle of both panes is further from the cameras than the box's.
+    """
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    stage.hdri(stage.world())
+    crate(texture_set())
+    bpy.ops.mesh.primitive_plane_add(size=3, location=(1.2, -1.6, 1.6), rotation=(1.0, 0, 0.6))
+    front = context.object
+    bpy.ops.mesh.primitive_plane_add(size=0.5, location=(-3, 9, 0.5), rotation=(1.0, 0, 0.6))
+    front.select_set(True)
+    bpy.ops.object.join()
+    pane = context.object
+    pane.name = "A Pane"
+    pane.data.uv_layers[0].name = UVS
+    clear: Any = texture_set("Clear")
+    nodes = clear.node_tree.nodes
+    colour = nodes["colour"].image
+    values = np.empty(4 * SIDE * SIDE, np.float32)
+    colour.pixels.foreach_get(values)
+    values[3::4] = 0.5
+    nodes["colour"].image = bpy.data.images.new("Clear colour", SIDE, SIDE, alpha=True)
+    nodes["colour"].image.pixels.foreach_set(values)
+    nodes["colour"].image.pack()
+    shader = next(node for node in nodes if node.type == "BSDF_PRINCIPLED")
+    clear.node_tree.links.new(nodes["colour"].outputs["Alpha"], shader.inputs["Alpha"])
+    pane.data.materials.append(clear)
+    spec = replace(SPEC, objects=("A Pane", NAME), texels=32)
+    bake_object(context.scene, "Both", spec, folder, preview=Filter.QUADRILINEAR)
+    bpy.ops.wm.save_as_mainfile(filepath=str(folder / SCENE))
+
+
 def bake_crate(folder: Path, mixed: bool = False) -> None:
     """Bake it and save the scene beside; `mixed` gives a side a material that is no texture set."""
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)

@@ -33,7 +33,7 @@ ENGINES = {"cycles": "CYCLES", "eevee": EEVEE}
 
 @dataclass(frozen=True)
 class Shots:
-    """Pictures of a preview's object `name` by `engine`, rendered when they are asked for.
+    """Pictures of a preview's object `name` by `engine`, rendered when they are asked for; "" is all of them.
 
     Eevee dithers what one sees through, so that it needs more than one of its `samples` there.
     """
@@ -83,7 +83,7 @@ def main(preview: str, name: str, engine: str, folder: str, samples: str) -> Non
 
 def _stand_alone(scene: Any, name: str) -> None:
     for item in scene.objects:
-        item.hide_render = item.name != name
+        item.hide_render = name not in (item.name, "")
     scene.world = bpy.data.worlds.new("Black")
     scene.world.color = (0, 0, 0)
     if scene.world.node_tree is not None:
@@ -93,6 +93,7 @@ def _stand_alone(scene: Any, name: str) -> None:
 def _placed(scene: Any, camera: Camera) -> Any:
     data = bpy.data.cameras.new(camera.name)
     data.sensor_fit, data.angle = "HORIZONTAL", np.radians(camera.fovy)
+    data.clip_start = 1e-3  # of close-ups
     item = bpy.data.objects.new(camera.name, data)
     item.matrix_world = camera.matrix
     scene.collection.objects.link(item)

@@ -82,6 +82,12 @@ def build_page() -> None:
     subprocess.run([sys.executable, str(REPOSITORY / ".ci/build_web.py")], check=True)
 
 
+def install_packages() -> None:
+    """Have npm's packages at hand, three.js among them: where the page is built already they may not be."""
+    code = "from build_web import alone, install\nwith alone(): install()"
+    subprocess.run([sys.executable, "-c", code], cwd=REPOSITORY / ".ci", check=True)
+
+
 def exported(bake: Bake, folder: Path, **settings: Any) -> Exported:
     """Export a bake for the web."""
     steps = export_steps(bake.sidecar, ExportSpec(Target.WEB, **settings), folder)

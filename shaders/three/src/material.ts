@@ -34,6 +34,8 @@ export interface MaterialOptions {
   layer?: string;
   /** Which of the baked object's materials it is, as the mesh says. */
   number?: number;
+  /** Whether it hides what lies behind it, though the bake has clear materials, too. */
+  opaque?: boolean;
   /** From the mesh's own space to the world of the bake. */
   baked?: Matrix4;
   /** Lamps whose light is added. */
@@ -49,13 +51,15 @@ export class RadTexMaterial extends ShaderMaterial {
 
   constructor(bake: Bake, options: MaterialOptions = {}) {
     const { layer = WHOLE, number = 0, baked = new Matrix4(), lamps = [], own = new Color(1, 1, 1) } = options;
+    const clear = hasAlpha(bake) && !options.opaque;
     const filter = options.filter ?? (filtersOf(bake.manifest).at(-1) as Filter);
     super();
     this.bakes = [bake, ...lamps.map((lamp) => lamp.bake)];
     const [lookups, uniforms] = partsOf(bake, filter, "mesh", layer, number);
     const [more, further]: Parts = lamps.length ? lampParts(lamps, own, filter, number) : ["", {}];
     const parts: Parts = [[lookups, more].join("\n"), { ...uniforms, ...further }];
-    assemble(this, parts, bake.manifest, hasAlpha(bake), baked);
+    assemble(this, parts, bake.manifest, clear, baked);
+    if (options.opaque) this.defines["SOLID"] = "";
   }
 
   /** As that of three.js, with the same textures: a copy of one that is not uploaded yet would stay empty. */

@@ -80,7 +80,8 @@ export function bakeBelow(root: Object3D, url: URL): MeshOfBake {
     const number = (mesh.material.userData["radtex_material"] as number | undefined) ?? 0;
     const images = imagesOf(each as Mesh);
     if (!images) map ??= mesh.material.map;
-    parts.push(images ? { mesh, number, images } : { mesh, number });
+    const opaque = mesh.material.userData["radtex_opaque"] === true;
+    parts.push(images ? { mesh, number, images, opaque } : { mesh, number, opaque });
   });
   const wanted = ["position", "normal", "uv", "tangent"];
   const lacking = wanted.filter((name) => parts.some(({ mesh }) => !mesh.geometry.hasAttribute(name)));

@@ -15,11 +15,12 @@ import type { Problem } from "./problem.js";
 import { changedSun, FIRST_SUN, shine, type Sun, type SunUniforms, sunUniforms } from "./sun.js";
 import type { BakeTexture } from "./textures.js";
 
-/** A mesh of the bake, as the .glb has it, the number of its material, and the images that this is shown by. */
+/** A mesh of the bake, as the .glb has it, the number of its material, the images that this is shown by, and whether it hides what lies behind. */
 export interface BakedMesh {
   mesh: Mesh;
   number: number;
   images?: MaterialImages;
+  opaque?: boolean;
 }
 
 /**
@@ -44,6 +45,7 @@ export class RadTexObject extends Group implements Bake {
   private chosen: { filter: Filter; layer: string };
   private shining: Readonly<Sun> = FIRST_SUN;
   private readonly numbers = new Map<Mesh, number>();
+  private readonly opaque: ReadonlySet<number>;
   private readonly materials = new Map<string, RadTexMaterial>();
   private readonly baked: Matrix4;
 
@@ -62,6 +64,7 @@ export class RadTexObject extends Group implements Bake {
     if (!first) throw new Error("a bake needs a mesh");
     this.baked = first.matrixWorld.clone();
     this.images = new Map(parts.flatMap(({ number, images }) => (images ? [[number, images] as const] : [])));
+    this.opaque = new Set(parts.filter((part) => part.opaque).map(({ number }) => number));
     this.flat = flatMaterial(current, map, this.baked);
     for (const { mesh, number } of parts) {
       this.numbers.set(mesh, number);
@@ -152,7 +155,8 @@ export class RadTexObject extends Group implements Bake {
 
   private made(number: number): RadTexMaterial {
     const { added: lamps, baked, filter, lightLayer: layer, own } = this;
-    return new RadTexMaterial(this, { filter, layer, number, baked, lamps, own });
+    const opaque = this.opaque.has(number);
+    return new RadTexMaterial(this, { filter, layer, number, baked, lamps, own, opaque });
   }
 
   /** Show these textures of the same surface, and lamps', from now on, and free those from before that nobody else shows. */

@@ -46,7 +46,7 @@ def by_chromium(site: Site, name: str, looked_from: Sequence[Look]) -> list[Pict
             if look.view.behind is None:
                 found.append(averaged(shown.pixels()[..., :3].astype(np.float64)))
             else:
-                found.append(averaged(_blended(shown, look.view.behind)))
+                found.append(averaged(blended(shown, look.view.behind)))
     return found
 
 
@@ -77,8 +77,8 @@ def by_blender(
     return found
 
 
-def _blended(shown: Shown, behind: Picture) -> Picture:
-    """What the page shows over a picture (P, P, 3) on which its canvas lies."""
+def blended(shown: Shown, behind: Picture) -> Picture:
+    """What the page shows over a picture (P, P, 3) on which its canvas lies, in as many pixels as it has."""
     stored = io.BytesIO()
     _bytes_of(behind).save(stored, "png")
     style = _ALONE % f"data:image/png;base64,{base64.b64encode(stored.getvalue()).decode()}"

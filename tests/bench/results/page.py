@@ -42,6 +42,10 @@ def write_page(cells: Cells) -> None:
         kept_json.write(name, _facts(rows=rows))
         over(kept_json.FOLDER / f"{name}.svg", rows, amount, label, what)
         blocks[name] = tables.settings_table(rows, what)
+    assets = kept_json.read("assets")
+    if assets:
+        blocks["assets"] = tables.assets_table(assets)
+        blocks["close_ups"] = tables.close_ups_table(assets)
     lookup, stereo = kept_json.read("lookup"), kept_json.read("stereo")
     if lookup:
         over_cost(kept_json.FOLDER / "lookup.svg", quality, lookup["methods"])

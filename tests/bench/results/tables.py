@@ -13,6 +13,15 @@ from .cells import Cell
 from .matrix import BAKED, TITLES, Setting
 from .summary import Spread, rows_of, scene_spread, seeds_of
 
+CLOSE = "close"  # begins the names of close-ups in the figures of assets
+_ASSET_WAYS = {
+    "all": "RadTex, the reference lookup",
+    "web page": "RadTex, the web page",
+    "Godot": "RadTex, Godot",
+    "preview in Eevee": "RadTex, the preview in Eevee",
+    "MeshPhysicalMaterial": "three.js's MeshPhysicalMaterial",
+    "Eevee": "Eevee, nothing baked",
+}
 Rows = list[dict[str, Any]]
 
 
@@ -100,6 +109,33 @@ def stereo_table(found: dict[str, Any]) -> str:
         for name, row in found["looked_up"].items()
     ]
     return _table(["", "the worse eye, dB", "the difference between the eyes, dB"], lines)
+
+
+def assets_table(found: dict[str, Any]) -> str:
+    """Assets of several parts, each as it is baked and by other ways, best first."""
+    lines = []
+    for facts in found.values():
+        views = [view for name, view in facts["views"].items() if not name.startswith(CLOSE)]
+        ways = [way for way in facts["mean"] if all(way in view for view in views)]
+        for way in sorted(ways, key=lambda way: -float(facts["mean"][way]["psnr"])):
+            mean = facts["mean"][way]
+            told = " ".join(f"{view[way]['psnr']:.1f}" for view in views)
+            line = [f"{mean['psnr']:.1f}", told, f"{mean['flip']:.3f}", f"{mean['energy']:.2f}"]
+            lines.append([_ASSET_WAYS.get(way, way), *line, f"{mean['glints']:.2f}"])
+    return _table(["", "PSNR, dB", "views", "FLIP", "energy", "glints kept"], lines)
+
+
+def close_ups_table(found: dict[str, Any]) -> str:
+    """PSNR in each close-up of the ways that show all of them."""
+    (facts,) = found.values()
+    near = [view for name, view in facts["views"].items() if name.startswith(CLOSE)]
+    head = ["PSNR, dB", *(str(number) for number in range(1, len(near) + 1))]
+    lines = [
+        [_ASSET_WAYS.get(way, way), *(f"{view[way]['psnr']:.1f}" for view in near)]
+        for way in facts["mean"]
+        if all(way in view for view in near)
+    ]
+    return _table(head, lines)
 
 
 def _spread(facts: dict[str, Any], digits: int) -> str:

@@ -82,10 +82,36 @@ def test_a_page_takes_blocks_and_keeps_what_is_written_by_hand() -> None:
 
 
 def test_the_page_has_a_place_for_every_table() -> None:
-    blocks = ("worst", "quality", "scenes", "winners", "hours", "bytes", "paths", "lookup", "stereo")
+    blocks = (
+        "worst",
+        "quality",
+        "scenes",
+        "winners",
+        "hours",
+        "bytes",
+        "paths",
+        "lookup",
+        "stereo",
+        "assets",
+        "close_ups",
+    )
     text = PAGE.read_text(encoding="utf-8")
     assert filled(text, {}) == text
     filled(text, dict.fromkeys(blocks, ""))
+
+
+def test_assets_stand_beside_other_ways_and_close_ups_count_in_no_mean() -> None:
+    figures = {"psnr": 25.0, "flip": 0.1, "energy": 1.0, "glints": 0.9}
+    other = figures | {"psnr": 19.0}
+    shown = {"all": other, "Eevee": figures, "Head": figures}
+    facts = {"mean": {"all": other, "Eevee": figures}, "views": {"view0": shown, "close0": shown}}
+    table = tables.assets_table({"helmet": facts}).splitlines()
+    assert table[2:] == [
+        "| Eevee, nothing baked | 25.0 | 25.0 | 0.100 | 1.00 | 0.90 |",
+        "| RadTex, the reference lookup | 19.0 | 19.0 | 0.100 | 1.00 | 0.90 |",
+    ]
+    near = tables.close_ups_table({"helmet": facts}).splitlines()
+    assert near[2:] == ["| RadTex, the reference lookup | 19.0 |", "| Eevee, nothing baked | 25.0 |"]
 
 
 def test_every_method_has_a_title() -> None:

@@ -15,6 +15,7 @@ from ....scene.nodes import NodeBuilder, Operand, Socket
 from ..lookup.images import ImageLook
 
 _FLAT = (0.5, 0.5, 1.0)
+_TOUCH = 1e-9  # of an image's alpha: enough for it to count as read
 
 
 def keep_images(
@@ -43,6 +44,8 @@ def given_by_images(
     )
     metal = look.metallic if metallic is None else build.math("MULTIPLY", metallic, look.metallic)
     bare = build.math("SUBTRACT", 1.0, metal)
+    if base is not None and own.base_alpha:
+        base = _apart_from_alpha(build, base, build.tree.nodes[ROLES[0]].outputs["Alpha"])
     ours = (1.0, 1.0, 1.0) if base is None else base
     dull = build.vector("SCALE", build.vector("MULTIPLY", ours, look.diffuse), bare)
     shiny = build.vector("SCALE", build.vector("MULTIPLY", ours, look.metal), metal)
@@ -62,6 +65,12 @@ def _read(build: NodeBuilder, uv: Socket, role: str, source: ImageSource | None)
     if source.channel is None:
         return colour
     return build.node("ShaderNodeSeparateColor", colour).outputs[source.channel]
+
+
+def _apart_from_alpha(build: NodeBuilder, colour: Socket, alpha: Socket) -> Socket:
+    """An image's colour without its alpha, by which Blender multiplies it unless the alpha is read, too."""
+    touch = build.math("MULTIPLY", alpha, _TOUCH)
+    return build.vector("ADD", colour, build.combine(touch, touch, touch))
 
 
 def _normal(build: NodeBuilder, own: ImageMaterial, found: Socket | None, twins: bool) -> Socket:

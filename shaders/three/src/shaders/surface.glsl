@@ -45,6 +45,8 @@ void main() {
 #endif
     float cover = clamp(max(seen.a, max(max(exposed.r, exposed.g), exposed.b)), 1e-6, 1.0);
     gl_FragColor = vec4(seen.rgb / cover, seen.a);
+#elif defined(SOLID)
+    gl_FragColor = vec4(seen.rgb, 1.0);  // the canvas is blended over the page
 #else
     gl_FragColor = seen;
 #endif
