@@ -49,8 +49,8 @@ into one: each effect on a small scene, from cameras that were not used in the b
 * Buckets of light are denoised ([format.md](format.md), "Denoising"), but not those of the row Proxy.
 * Seconds are of two CPU cores that had other work to do.
 
-[results.md](results.md) has harder scenes, other methods, and [an asset of six parts](results.md#an-asset-of-several-parts) beside
-three.js and Eevee.
+[results.md](results.md) has harder scenes, other methods, and
+[an asset of six parts](results.md#an-asset-of-several-parts) beside three.js and Eevee.
 
     uv run --group test python -m tests.bench.gallery            makes this page, its pictures and its figures
     uv run --group test python -m tests.bench.gallery {first}      makes one row of it anew

@@ -26,6 +26,7 @@ _WIDE = 0.02  # how much the wider neighbourhood counts for
 _LEAST, _MOST = 1 / 256, 256.0  # of width², fitted
 _OCTAVES = 16.0  # of width², evaluated: the most above and below what is usual
 _GAIN = 0.01  # of the mean log-likelihood, from which evaluated widths are taken
+_LESS = 0.995  # times as much may be left unexplained by a gloss as by tints, or it is not taken
 _AT_ONCE = 1 << 18
 
 
@@ -113,14 +114,15 @@ def fit_lobes(
 def _take_gloss(paths: Paths, number: int, shown: Floats, width: Floats, gloss: Gloss) -> Gloss | None:
     """Replace tints by reflectances in what is `shown` (P, 3) of a material, if these tell more of its paths.
 
-    Returns the gloss, or None where tints tell as much. `width` (K,) is that of `Lobes`.
+    Returns the gloss, or None where tints tell about as much, as where neither varies. `width` (K,) is that
+    of `Lobes`.
     """
     own = np.flatnonzero(paths.material == number)
     texel = paths.texel[own]
     wide = (width[texel] * 2**gloss.width).astype(np.float32)
     reflected = reflectance(shown[own] * gloss.colour, wide, paths.cosine[own])
     some = paths.some(own)
-    if unexplained(some, reflected) >= unexplained(some, shown[own]):
+    if unexplained(some, reflected) > _LESS * unexplained(some, shown[own]):
         return None
     shown[own] = reflected
     return gloss
