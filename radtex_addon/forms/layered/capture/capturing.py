@@ -153,11 +153,13 @@ class _Captures:
             light = yield from relayed(steps, of_light)
         light = self._lit(replace(light, through=without_zeros(light.through)))
         material = texels.triangle.ravel()[lit.texel]
+        yield bar.at("own")
         if prepared.source is None:
             own = self._own_rays(plan(own_side(count)), texels.own_triangle.ravel()[lit.texel], opacity.fine)
         else:
             own = self._source_rays(plan(own_side(count)), coarse, opacity.coarse)
         own = replace(own, rays=replace(own.rays, plan=lit))
+        yield bar.end()
         through = lone is not None and lets_through(lone, light)
         if lone is not None:
             lone = replace(lone, plan=lit)  # all plans have the same texels, and each takes memory
