@@ -103,7 +103,7 @@ class Buckets:
             sidecar=facts,
             images=(image,),
             lookup=lookup,
-            texels=layout.some_cells(pixels),
+            texels=layout.some_cells(pixels[..., :3]),
             compression=compression,
             loss=loss_of(compression),
         )

@@ -58,7 +58,7 @@ def _means_and_cells(image: ImageRows, facts: Sidecar, used: slice) -> tuple[Flo
     for _, band in image.bands(facts.bucket):
         some = AtlasLayout(facts.width, len(band) // facts.bucket, facts.bucket)
         means.append(mean_of_buckets(band[..., used], some))
-        cells.append(some.some_cells(band))
+        cells.append(some.some_cells(band[..., used]))
     return np.concatenate(means), np.concatenate(cells)
 
 
