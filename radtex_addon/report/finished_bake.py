@@ -14,7 +14,10 @@ import numpy as np
 
 from ..core.arrays import Floats
 from ..core.errors import FormatError, InputError
+from ..core.gutter import covered_in_coarser, gutter_agreement
 from ..core.messages import Setting, do, leave_out
+from ..core.surface import SurfaceMesh
+from ..core.texel_map import covered_texels
 from ..formats.sidecar import Sidecar, file_name, part_in, preview_path
 from ..formats.sidecar_file import AnySidecar, SidecarFile, opened, read_facts
 from ..forms import Form, form_in
@@ -23,6 +26,7 @@ from ..scene.mesh.copy import UV_LAYER
 from ..settings.choices import parse_capture, parse_kind, parse_layout
 from ..settings.kinds import DEFAULT_KIND, Kind, is_default_kind
 from ..settings.options import MARKED
+from ..settings.rays import step_to
 from ..settings.spec import BakeSpec, Compression
 from .gbuffer import Array, GBuffer
 
@@ -37,7 +41,8 @@ class Finished:
     (H, W, K) are the stored values of each texel: light, or those of the form's `own_texels`; of buckets
     (H, W, G, K), some of their cells.
     `compression` is None for a method that RadTex does not write. `loss` is the greatest
-    relative difference of two `texels` that were equal before lossy compression.
+    relative difference of two `texels` that were equal before lossy compression. `alpha` gives how much of
+    what is behind is hidden (N,) at texture coordinates (N, 2), None where all of it is.
     """
 
     file: SidecarFile
@@ -64,6 +69,14 @@ class Finished:
     def unwrapped(self) -> bool:
         """Whether the bake made its UV layer itself, judging by the layer's name."""
         return self.sidecar.uv_map == UV_LAYER
+
+    def agreement(self, surface: SurfaceMesh) -> float:
+        """How well a surface's UV layer agrees with the gutter of the bake, 0 to 1: `gutter_agreement`."""
+        covered = covered_texels(surface, self.sidecar.width, self.sidecar.height)
+        covered = covered_in_coarser(
+            covered, self.texels.shape[:2], step_to(self.texels.shape, covered.shape)
+        )
+        return gutter_agreement(covered, self.texels, self.loss)
 
     def spec(self, device: str) -> BakeSpec:
         """The specification that repeats the bake, as far as its files record it."""

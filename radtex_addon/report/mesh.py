@@ -20,9 +20,8 @@ import numpy as np
 from ..bake.piece_store import NO_STORE
 from ..core.arrays import Floats
 from ..core.errors import FormatError, InputError
-from ..core.gutter import LEAST_AGREEMENT, covered_in_coarser, gutter_agreement
+from ..core.gutter import LEAST_AGREEMENT
 from ..core.messages import Setting, do
-from ..core.texel_map import covered_texels
 from ..prepare.detailed import Detailed, read_detailed
 from ..prepare.faces import all_once, find_once
 from ..prepare.unwrapping import unwrap_mesh
@@ -34,7 +33,6 @@ from ..scene.preview_file import appended
 from ..scene.scratch import new_data_removed
 from ..scene.uv.unwrap_options import UnwrapOptions
 from ..scene.uv.uv_layer import user_uv
-from ..settings.rays import step_to
 from ..settings.spec import Unwrap
 from .finished_bake import Finished
 from .gbuffer import BakedSurface
@@ -134,11 +132,7 @@ def _surface(
         surface = surface_mesh(evaluated, mesh, layer)
         if detailed is not None and bake.sidecar.source is not None:
             write_material_numbers([mesh], [detailed.materials(surface, bake.sidecar.source.extrusion)])
-        covered = covered_texels(surface, bake.sidecar.width, bake.sidecar.height)
-        step = step_to(bake.texels.shape, covered.shape)
-        covered = covered_in_coarser(covered, bake.texels.shape[:2], step)
-        agreement = gutter_agreement(covered, bake.texels, bake.loss)
-        return BakedSurface(mesh, evaluated.matrix_world, layer), agreement
+        return BakedSurface(mesh, evaluated.matrix_world, layer), bake.agreement(surface)
 
 
 def _unwrapped(

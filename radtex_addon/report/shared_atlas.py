@@ -12,16 +12,14 @@ import numpy as np
 
 from ..core.arrays import Floats, Ints
 from ..core.errors import InputError
-from ..core.gutter import LEAST_AGREEMENT, covered_in_coarser, gutter_agreement
+from ..core.gutter import LEAST_AGREEMENT
 from ..core.messages import Setting, do
-from ..core.texel_map import covered_texels
 from ..prepare.faces import all_once, find_once
 from ..scene.mesh.backs import fronts, twin_numbers
 from ..scene.mesh.copy import OBJECT, face_numbers
 from ..scene.mesh.evaluated import evaluate
 from ..scene.objects import find_object
 from ..scene.preview_file import baked_copy, surface_of
-from ..settings.rays import step_to
 from .finished_bake import Finished
 from .gbuffer import BakedSurface
 
@@ -46,10 +44,7 @@ def find_shared(scratch: bpy.types.Scene, bake: Finished) -> tuple[BakedSurface,
     originals = [find_object(scratch, name) for name in facts.surfaces]
     with baked_copy(bake.preview, facts.surfaces, facts.uv_map) as (_, joined):
         whole = surface_of(joined, facts.uv_map)
-        covered = covered_texels(whole, facts.width, facts.height)
-        step = step_to(bake.texels.shape, covered.shape)
-        covered = covered_in_coarser(covered, bake.texels.shape[:2], step)
-        if gutter_agreement(covered, bake.texels, bake.loss) < LEAST_AGREEMENT:
+        if bake.agreement(whole) < LEAST_AGREEMENT:
             raise InputError(f"{bake.preview} does not fit {bake.file}: it is of another bake", _ANEW)
         mesh = joined.data
         assert isinstance(mesh, bpy.types.Mesh)  # of baked copies

@@ -18,9 +18,11 @@ from playwright.sync_api import BrowserType, sync_playwright
 from radtex_addon.settings.spec import Kind, View
 from tests.blender import surroundings
 from tests.blender.furnished_room import bake_room
+from tests.blender.image_stage import bake_crate
+from tests.finished_bakes import finished_bake
 from tests.real.browser import HARD_EDGES, SOFTWARE_GL, chromium, served
 from tests.real.engines import Compilers
-from tests.real.exhibit import Exhibit, Form
+from tests.real.exhibit import Bake, Exhibit, Form
 from tests.real.installable import build_zip, with_wheels
 from tests.real.kinds import SPECS, KindBake, baked
 from tests.real.mirror_scene import Stage
@@ -64,6 +66,13 @@ def kind_bake(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., KindBak
         return baked(kind, folder / f"{kind}-{cells}-{view}", cells, view)
 
     return made
+
+
+@pytest.fixture(scope="module", params=[False, True], ids=["whole", "mixed"])
+def crate(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Bake:
+    """A crate that is all of images, or with a side of another material."""
+    folder = tmp_path_factory.mktemp("crate")
+    return Bake(finished_bake(folder, bake_crate, mixed=request.param))
 
 
 @pytest.fixture(scope="session")

@@ -34,6 +34,10 @@ SUN = normalised(np.array([0.3, -0.5, 0.8]))  # of relit bakes, in the bake's wo
 NEAR_IN_BITS = 0.02  # of the brightest: the sampler's weights have 8 bits
 
 
+Error = Callable[[list[Floats]], tuple[float, float]]
+Images = Mapping[int, tuple[Texture, ...]]
+
+
 @dataclass(frozen=True, eq=False)
 class Asked:
     """A lookup, its textures in their order, a mesh, and towards the viewers, in the bake's world.
@@ -47,9 +51,9 @@ class Asked:
     mesh: Mesh
     viewers: Floats
     materials: int
-    error: Callable[[list[Floats]], tuple[float, float]]
+    error: Error
     within: tuple[float, float]
-    images: Mapping[int, tuple[Texture, ...]] = field(default_factory=dict)
+    images: Images = field(default_factory=dict)
 
     def textures_of(self, material: int) -> list[Texture]:
         """Those that are read for a material."""
@@ -136,7 +140,6 @@ def layered(target: Target, name: str) -> Asked:
     facts = shader_facts(case.sidecar, case.stored, FULL)
     about = {layer: entry(_size(levels)) for layer, levels in case.textures.items()}
     lookup = layered_lookup(facts, about, target)
-    layers = [texture.removeprefix("radtex_").removesuffix("_map") for texture in lookup.textures]
     fields = {name: values.astype(float) for name, values in case.fields.items()}
     side = np.ones(COUNT)
     mesh = mesh_of(
@@ -148,15 +151,7 @@ def layered(target: Target, name: str) -> Asked:
         target,
         (1.2, -0.8, 1.5),
     )
-    return Asked(
-        lookup,
-        [image(*case.textures[layer]) for layer in layers],
-        mesh,
-        fields["viewers"],
-        len(case.sidecar.materials),
-        lambda found: _layered_error(case, found),
-        (3e-3, 0.05),
-    )
+    return _asked(case, lookup, mesh, lambda found: _layered_error(case, found), {})
 
 
 def by_images(target: Target, name: str) -> Asked:
@@ -175,17 +170,16 @@ def by_images(target: Target, name: str) -> Asked:
         *(fields["uvs"], fields["positions"], normal, tangent, side, target, (1.2, -0.8, 1.5), shown.place)
     )
     lookup = layered_lookup(facts, about, target)
+    images = dict.fromkeys(lookup.of_images, tuple(imported(*each, target) for each in shown.images.items()))
+    return _asked(case, lookup, mesh, lambda found: _image_error(shown, found), images)
+
+
+def _asked(case: Case, lookup: HlslLookup, mesh: Mesh, error: Error, images: Images) -> Asked:
+    """What is asked of a case in the layered layout."""
     layers = [texture.removeprefix("radtex_").removesuffix("_map") for texture in lookup.textures]
-    return Asked(
-        lookup,
-        [image(*case.textures[layer]) for layer in layers],
-        mesh,
-        fields["viewers"],
-        len(case.sidecar.materials),
-        lambda found: _image_error(shown, found),
-        (3e-3, 0.05),
-        dict.fromkeys(lookup.of_images, tuple(imported(*each, target) for each in shown.images.items())),
-    )
+    textures = [image(*case.textures[layer]) for layer in layers]
+    viewers = case.fields["viewers"].astype(float)
+    return Asked(lookup, textures, mesh, viewers, len(case.sidecar.materials), error, (3e-3, 0.05), images)
 
 
 def imported(texture: str, pixels: Floats, target: Target) -> Texture:

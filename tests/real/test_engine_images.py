@@ -26,8 +26,7 @@ from radtex_addon.formats.containers.glb import Glb
 from radtex_addon.forms.hlsl_lookup import IMAGE_TEXTURES
 from radtex_addon.report.metrics import Mask, Picture
 from radtex_addon.textures.export_spec import ExportSpec, Target, TextureFormat
-from tests.blender.image_stage import NAME, bake_crate
-from tests.finished_bakes import finished_bake
+from tests.blender.image_stage import NAME
 from tests.lookups import SIDE
 from tests.real import test_unity, test_unreal
 from tests.real.engine_lookups import Asked, imported
@@ -44,13 +43,6 @@ CAMERAS = (
 )
 LEAST = 36.0  # dB
 FILES = [f"{NAME}.image.Painted_{kind}.png" for kind in ("colour", "metal", "normal")]
-
-
-@pytest.fixture(scope="module", params=[False, True], ids=["whole", "mixed"])
-def crate(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Bake:
-    """The crate, all of images, or with a side of another material."""
-    folder = tmp_path_factory.mktemp("crate")
-    return Bake(finished_bake(folder, bake_crate, mixed=request.param))
 
 
 @pytest.fixture(scope="module")

@@ -17,7 +17,7 @@ from radtex_addon.report.gbuffer import eroded
 from radtex_addon.report.metrics import Picture
 from radtex_addon.textures.export_spec import ExportSpec, Target
 from tests.bench.engines.programs import blended
-from tests.blender.image_stage import NAME, bake_behind_pane, bake_crate
+from tests.blender.image_stage import NAME, bake_behind_pane
 from tests.finished_bakes import finished_bake
 from tests.real.browser import Shown
 from tests.real.exhibit import Bake, Camera, decibels
@@ -32,13 +32,6 @@ CAMERAS = (
     Camera("near", (0.9, -1.6, 3.0), (0.5, -0.35, 1.4), fovy=20.0),
 )
 LEAST = 34.0  # dB: images have mip levels in engines, and none in Cycles
-
-
-@pytest.fixture(scope="module", params=[False, True], ids=["whole", "mixed"])
-def crate(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Bake:
-    """The crate, all of images, or with a side of another material."""
-    folder = tmp_path_factory.mktemp("crate")
-    return Bake(finished_bake(folder, bake_crate, mixed=request.param))
 
 
 @pytest.fixture(scope="module")

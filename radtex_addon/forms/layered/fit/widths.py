@@ -81,13 +81,13 @@ def fit_lobes(
     count = int(material.max()) + 1
     width = _fitted(paths, neighbours, vary)
     usual, taken = np.zeros(count, np.float32), np.zeros(count, bool)
+    known: list[int] = []  # the materials whose roughness is
     if evaluated is not None:
+        known = [number for number in range(count) if np.isfinite(evaluated[material == number]).any()]
         halves = paths.some(np.arange(0, len(paths.texel), 2)), paths.some(np.arange(1, len(paths.texel), 2))
         rival = _fitted(halves[0], neighbours, vary)
-        for number in range(count):
+        for number in known:
             own = material == number
-            if not np.isfinite(evaluated[own]).any():
-                continue
             usual[number] = np.nanmean(evaluated[own])
             relative = _relative(evaluated, usual[number])
             taken[number] = _foretells(halves, number, 2**relative, rival)
@@ -98,8 +98,7 @@ def fit_lobes(
     glosses: list[Gloss | None] = [None] * count
     if tint is not None:
         shown = tint[paths.texel].astype(np.float32)
-        if glossy is not None and evaluated is not None:
-            known = [number for number in range(count) if np.isfinite(evaluated[material == number]).any()]
+        if glossy is not None:
             for number in known:
                 gloss = Gloss(glossy[number], float(usual[number]))
                 glosses[number] = _take_gloss(paths, number, shown, width, gloss)
