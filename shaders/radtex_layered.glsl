@@ -12,6 +12,7 @@
 //
 // What the bake has. RADTEX_MIRRORS: any of its materials has lobes. RADTEX_TINT, RADTEX_NORMAL, RADTEX_WIDTH,
 // RADTEX_ALPHA, RADTEX_PLANE, RADTEX_THINGS (with distances): these layers. RADTEX_LAMPS: how many, 0 to 8.
+// RADTEX_SHELL: how many planes of a room the plane layer shows, 2 to 8; 0 if it is a single one.
 // RADTEX_GLOSSES: how much a material mirrors follows from its tint and its width.
 // RADTEX_IMAGES: the material is shown by its own images, in place of colour, tint and normal: call radtex_layered_images.
 // RADTEX_OWN_CELLS, RADTEX_REST_CELLS: cells along the sides of buckets.
@@ -41,6 +42,9 @@ precision highp sampler2D;
 #endif
 #ifndef RADTEX_LAMPS
 #define RADTEX_LAMPS 0
+#endif
+#ifndef RADTEX_SHELL
+#define RADTEX_SHELL 0
 #endif
 #ifndef RADTEX_STEPS
 #define RADTEX_STEPS 1
@@ -106,12 +110,16 @@ uniform sampler2D radtex_plane_map;
 uniform vec4 radtex_plane_range, radtex_plane_levels;
 uniform vec4 radtex_plane_place;  // its normal and height, from the middle
 uniform vec4 radtex_plane_eye;    // where its picture was taken from, and how high above the plane that is
+#if RADTEX_SHELL > 0
+uniform vec4 radtex_shell[RADTEX_SHELL];  // the normals and heights of a room's planes
+#endif
 #endif
 #ifdef RADTEX_THINGS
 uniform sampler2D radtex_things_map;
 uniform sampler2D radtex_distances_map;
 uniform vec4 radtex_things_range, radtex_things_levels, radtex_distances_range;
 uniform vec4 radtex_distances_size;  // texels along a side, and the mean distance
+uniform vec4 radtex_things_eye;      // xyz: where their picture was taken from, from the middle
 #endif
 #if RADTEX_LAMPS > 0
 uniform vec4 radtex_lamp_place[RADTEX_LAMPS];  // from the middle, and width²
@@ -293,6 +301,28 @@ vec4 radtex_below(vec3 from, vec3 ray, float spread) {
     vec4 found = radtex_picture(radtex_plane_map, radtex_plane_range, radtex_plane_levels, met, spread + log2(wider));
     return found * (0.5 - 0.5 * sine * root);
 }
+
+#if RADTEX_SHELL > 0
+// What a lobe shows of a room's planes, met from inside: the nearest one that the ray points at.
+vec4 radtex_walls(vec3 from, vec3 ray, float spread) {
+    vec3 N = ray;
+    float far = 1e6;
+    for (int k = 0; k < RADTEX_SHELL; k++) {
+        vec4 plane = radtex_shell[k];
+        float sine = -dot(ray, plane.xyz);
+        float reach = max(dot(from, plane.xyz) - plane.w, 0.0) / max(sine, 1e-4);
+        if (sine > 1e-4 && reach < far) {
+            far = reach;
+            N = plane.xyz;
+        }
+    }
+    vec3 met = from + far * ray - radtex_plane_eye.xyz;
+    float nearness = inversesqrt(max(dot(met, met), 1e-12)), along = far * nearness;
+    float wider = along * along * nearness * abs(dot(N, met)) / max(abs(dot(N, ray)), 1e-4);
+    wider = clamp(wider, 0.00390625, 16.0);
+    return radtex_picture(radtex_plane_map, radtex_plane_range, radtex_plane_levels, met, spread + log2(wider));
+}
+#endif
 #endif
 
 #ifdef RADTEX_THINGS
@@ -309,22 +339,22 @@ float radtex_distance(vec3 d) {
 }
 #endif
 
-// Where a ray meets things, from the middle, and log2 of how much a lobe's width² is larger as seen from there.
+// Where a ray meets things, from their eye, and log2 of how much a lobe's width² is larger as seen from there.
 vec4 radtex_met(vec3 from, vec3 ray) {
 #ifdef RADTEX_THINGS
-    float along = dot(from, ray), squared = dot(from, from), reach;
-    vec3 met = ray;
+    vec3 offset = from - radtex_things_eye.xyz, met = ray;
+    float along = dot(offset, ray), squared = dot(offset, offset), reach;
 #if RADTEX_STEPS < 2  // begin on a sphere
     reach = radtex_reach(along, squared, radtex_distances_size.y);
-    met = from + reach * ray;
+    met = offset + reach * ray;
 #endif
 #if RADTEX_STEPS > 0
     reach = radtex_reach(along, squared, radtex_distance(met));
-    met = from + reach * ray;
+    met = offset + reach * ray;
 #endif
 #if RADTEX_STEPS > 1
     reach = radtex_reach(along, squared, radtex_distance(met));
-    met = from + reach * ray;
+    met = offset + reach * ray;
 #endif
     return vec4(met, 2.0 * log2(clamp(reach * inversesqrt(max(dot(met, met), 1e-12)), 0.0625, 4.0)));
 #else
@@ -339,7 +369,11 @@ vec3 radtex_shown(vec3 from, vec3 ray, vec4 met, float spread) {
         + radtex_world_range.w;
     vec4 before;
 #ifdef RADTEX_PLANE
+#if RADTEX_SHELL > 0
+    before = radtex_walls(from, ray, spread);
+#else
     before = radtex_below(from, ray, spread);
+#endif
     light = light * (1.0 - before.a) + before.rgb;
 #endif
 #ifdef RADTEX_THINGS

@@ -12,6 +12,7 @@
 //
 // What the bake has. RADTEX_MIRRORS: any of its materials has lobes. RADTEX_TINT, RADTEX_NORMAL, RADTEX_WIDTH,
 // RADTEX_ALPHA, RADTEX_PLANE, RADTEX_THINGS (with distances): these layers. RADTEX_LAMPS: how many, 0 to 8.
+// RADTEX_SHELL: how many planes of a room the plane layer shows, 2 to 8; 0 if it is a single one.
 // RADTEX_GLOSSES: how much a material mirrors follows from its tint and its width.
 // RADTEX_IMAGES: the material is shown by its own images, in place of colour, tint and normal: call radtex_layered_images.
 // These are radtex_base_map, the base colour, its format sRGB; radtex_metal_map, green roughness and blue metal; and
@@ -41,6 +42,9 @@
 
 #ifndef RADTEX_LAMPS
 #define RADTEX_LAMPS 0
+#endif
+#ifndef RADTEX_SHELL
+#define RADTEX_SHELL 0
 #endif
 #ifndef RADTEX_STEPS
 #define RADTEX_STEPS 1
@@ -109,6 +113,8 @@ cbuffer RadtexBake RADTEX_BUFFER(0) {
     float4 radtex_distances_size;  // texels along a side, and the mean distance
     float4 radtex_plane_place;   // its normal and height, from the middle
     float4 radtex_plane_eye;     // where its picture was taken from, and how high above the plane that is
+    float4 radtex_things_eye;    // xyz: where the picture of things was taken from, from the middle
+    float4 radtex_shell[8];      // the normals and heights of a room's planes
     float4 radtex_lamp_place[8];  // from the middle, and width²
     float4 radtex_lamp_light[8];  // rgb: irradiance at the middle
 };
@@ -309,6 +315,28 @@ float4 radtex_below(float3 from, float3 ray, float spread) {
     float4 found = radtex_picture(radtex_plane_map, radtex_plane_range, radtex_plane_levels, met, spread + log2(wider));
     return found * (0.5 - 0.5 * sine * root);
 }
+
+#if RADTEX_SHELL > 0
+// What a lobe shows of a room's planes, met from inside: the nearest one that the ray points at.
+float4 radtex_walls(float3 from, float3 ray, float spread) {
+    float3 N = ray;
+    float far = 1e6;
+    [unroll] for (int k = 0; k < RADTEX_SHELL; k++) {
+        float4 plane = radtex_shell[k];
+        float sine = -dot(ray, plane.xyz);
+        float reach = max(dot(from, plane.xyz) - plane.w, 0.0) / max(sine, 1e-4);
+        if (sine > 1e-4 && reach < far) {
+            far = reach;
+            N = plane.xyz;
+        }
+    }
+    float3 met = from + far * ray - radtex_plane_eye.xyz;
+    float nearness = rsqrt(max(dot(met, met), 1e-12)), along = far * nearness;
+    float wider = along * along * nearness * abs(dot(N, met)) / max(abs(dot(N, ray)), 1e-4);
+    wider = clamp(wider, 0.00390625, 16.0);
+    return radtex_picture(radtex_plane_map, radtex_plane_range, radtex_plane_levels, met, spread + log2(wider));
+}
+#endif
 #endif
 
 #ifdef RADTEX_THINGS
@@ -325,22 +353,22 @@ float radtex_distance(float3 d) {
 }
 #endif
 
-// Where a ray meets things, from the middle, and log2 of how much a lobe's width² is larger as seen from there.
+// Where a ray meets things, from their eye, and log2 of how much a lobe's width² is larger as seen from there.
 float4 radtex_met(float3 from, float3 ray) {
 #ifdef RADTEX_THINGS
-    float along = dot(from, ray), squared = dot(from, from), reach;
-    float3 met = ray;
+    float3 offset = from - radtex_things_eye.xyz, met = ray;
+    float along = dot(offset, ray), squared = dot(offset, offset), reach;
 #if RADTEX_STEPS < 2  // begin on a sphere
     reach = radtex_reach(along, squared, radtex_distances_size.y);
-    met = from + reach * ray;
+    met = offset + reach * ray;
 #endif
 #if RADTEX_STEPS > 0
     reach = radtex_reach(along, squared, radtex_distance(met));
-    met = from + reach * ray;
+    met = offset + reach * ray;
 #endif
 #if RADTEX_STEPS > 1
     reach = radtex_reach(along, squared, radtex_distance(met));
-    met = from + reach * ray;
+    met = offset + reach * ray;
 #endif
     return float4(met, 2.0 * log2(clamp(reach * rsqrt(max(dot(met, met), 1e-12)), 0.0625, 4.0)));
 #else
@@ -355,7 +383,11 @@ float3 radtex_shown(float3 from, float3 ray, float4 met, float spread) {
         + radtex_world_range.w;
     float4 before;
 #ifdef RADTEX_PLANE
+#if RADTEX_SHELL > 0
+    before = radtex_walls(from, ray, spread);
+#else
     before = radtex_below(from, ray, spread);
+#endif
     light = light * (1.0 - before.a) + before.rgb;
 #endif
 #ifdef RADTEX_THINGS

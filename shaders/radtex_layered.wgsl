@@ -24,6 +24,7 @@ override RADTEX_GLOSSES: bool = false;  // how much a material mirrors follows f
 override RADTEX_ALPHA: bool = false;
 override RADTEX_PLANE: bool = false;
 override RADTEX_THINGS: bool = false;   // and their distances
+override RADTEX_SHELL: i32 = 0;         // how many planes of a room the plane layer shows, or 0
 override RADTEX_LAMPS: i32 = 0;         // how many, 0 to 8
 override RADTEX_OWN_CELLS: i32 = 14;    // cells along the sides of buckets
 override RADTEX_REST_CELLS: i32 = 8;
@@ -54,6 +55,8 @@ struct RadtexBake {
     distances_size: vec4f,  // texels along a side, and the mean distance
     plane_place: vec4f,   // its normal and height, from the middle
     plane_eye: vec4f,     // where its picture was taken from, and how high above the plane that is
+    things_eye: vec4f,    // xyz: where the picture of things was taken from, from the middle
+    shell: array<vec4f, 8>,  // the normals and heights of a room's planes
     lamp_place: array<vec4f, 8>,  // from the middle, and width²
     lamp_light: array<vec4f, 8>,  // rgb: irradiance at the middle
 }
@@ -259,6 +262,27 @@ fn radtex_below(whence: vec3f, ray: vec3f, spread: f32) -> vec4f {
     return found * (0.5 - 0.5 * sine * root);
 }
 
+// What a lobe shows of a room's planes, met from inside: the nearest one that the ray points at.
+fn radtex_walls(whence: vec3f, ray: vec3f, spread: f32) -> vec4f {
+    var N = ray;
+    var far = 1e6;
+    for (var k = 0; k < RADTEX_SHELL; k++) {
+        let plane = radtex.shell[k];
+        let sine = -dot(ray, plane.xyz);
+        let reach = max(dot(whence, plane.xyz) - plane.w, 0.0) / max(sine, 1e-4);
+        if sine > 1e-4 && reach < far {
+            far = reach;
+            N = plane.xyz;
+        }
+    }
+    let met = whence + far * ray - radtex.plane_eye.xyz;
+    let nearness = inverseSqrt(max(dot(met, met), 1e-12));
+    let along = far * nearness;
+    var wider = along * along * nearness * abs(dot(N, met)) / max(abs(dot(N, ray)), 1e-4);
+    wider = clamp(wider, 0.00390625, 16.0);
+    return radtex_picture(radtex_plane_map, radtex.plane_range, radtex.plane_levels, met, spread + log2(wider));
+}
+
 // How far along the unit ray is a sphere of that radius about the middle; `along` is from . ray, `squared` from . from.
 fn radtex_reach(along: f32, squared: f32, radius: f32) -> f32 {
     return sqrt(max(along * along - squared + radius * radius, 0.0)) - along;
@@ -272,24 +296,25 @@ fn radtex_distance(d: vec3f) -> f32 {
         / max(textureSampleLevel(radtex_distances_map, radtex_filtering, place, 0.0).r * range.z + range.w, 1e-9);
 }
 
-// Where a ray meets things, from the middle, and log2 of how much a lobe's width² is larger as seen from there.
+// Where a ray meets things, from their eye, and log2 of how much a lobe's width² is larger as seen from there.
 fn radtex_met(whence: vec3f, ray: vec3f) -> vec4f {
     if RADTEX_THINGS {
-        let along = dot(whence, ray);
-        let squared = dot(whence, whence);
-        var reach: f32;
+        let offset = whence - radtex.things_eye.xyz;
         var met = ray;
+        let along = dot(offset, ray);
+        let squared = dot(offset, offset);
+        var reach: f32;
         if RADTEX_STEPS < 2 {  // begin on a sphere
             reach = radtex_reach(along, squared, radtex.distances_size.y);
-            met = whence + reach * ray;
+            met = offset + reach * ray;
         }
         if RADTEX_STEPS > 0 {
             reach = radtex_reach(along, squared, radtex_distance(met));
-            met = whence + reach * ray;
+            met = offset + reach * ray;
         }
         if RADTEX_STEPS > 1 {
             reach = radtex_reach(along, squared, radtex_distance(met));
-            met = whence + reach * ray;
+            met = offset + reach * ray;
         }
         return vec4f(met, 2.0 * log2(clamp(reach * inverseSqrt(max(dot(met, met), 1e-12)), 0.0625, 4.0)));
     } else {
@@ -304,7 +329,11 @@ fn radtex_shown(whence: vec3f, ray: vec3f, met: vec4f, spread: f32) -> vec3f {
         + radtex.world_range.w;
     var before: vec4f;
     if RADTEX_PLANE {
-        before = radtex_below(whence, ray, spread);
+        if RADTEX_SHELL > 0 {
+            before = radtex_walls(whence, ray, spread);
+        } else {
+            before = radtex_below(whence, ray, spread);
+        }
         light = light * (1.0 - before.a) + before.rgb;
     }
     if RADTEX_THINGS {

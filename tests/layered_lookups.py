@@ -27,7 +27,7 @@ from radtex_addon.forms.layered.files.arrangement import (
 from radtex_addon.forms.layered.files.layered_files import atlas_of
 from radtex_addon.forms.layered.files.sidecar import LayeredSidecar
 from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas, alpha_at, sample_layered
-from radtex_addon.forms.layered.lookup.environment import Around, Lamp
+from radtex_addon.forms.layered.lookup.environment import Around, Impostor, Lamp, Shell
 from radtex_addon.forms.layered.lookup.images import Colour, ImageLook, look_of_images
 from radtex_addon.forms.layered.lookup.lobes import Gloss
 from radtex_addon.forms.layered.lookup.ways import Through
@@ -230,6 +230,19 @@ def matt(atlas: LayeredAtlas) -> LayeredAtlas:
     return replace(atlas, materials=tuple(lobes))
 
 
+def in_a_room(atlas: LayeredAtlas) -> LayeredAtlas:
+    """With every plane that a room may have, and things that are seen from elsewhere than the middle."""
+    rng = np.random.default_rng(12)
+    plane, things = atlas.around.layers
+    assert isinstance(things.shape, Impostor)
+    sides = np.concatenate([np.eye(3), -np.eye(3), [[1, 1, 0.3], [-1, 0.5, -0.2]]])
+    normals = normalised(sides + 0.1 * rng.normal(size=sides.shape)).astype(np.float32)
+    eye = np.array([0.3, -0.2, 0.4], dtype=np.float32)
+    shell = Shell(normals, rng.uniform(-2.5, -1.4, len(normals)).astype(np.float32), eye)
+    layers = replace(plane, shape=shell), replace(things, shape=replace(things.shape, eye=-eye))
+    return replace(atlas, around=replace(atlas.around, layers=layers))
+
+
 CASES: dict[str, Callable[[LayeredAtlas], LayeredAtlas]] = {
     "everything": everything,
     "everything, in ranges": everything,
@@ -242,6 +255,7 @@ CASES: dict[str, Callable[[LayeredAtlas], LayeredAtlas]] = {
     "clear": clear,
     "bare": bare,
     "matt": matt,
+    "room": in_a_room,
 }
 
 

@@ -373,11 +373,9 @@ def hidden(place: tuple[float, float, float], receiver: Any, item: Any = None) -
     direction = np.random.default_rng(3).normal(size=(200, 3))
     direction[:, 2] = np.abs(direction[:, 2])
     direction /= np.linalg.norm(direction, axis=1, keepdims=True)
-    plan = stage.plan_of(MIDDLE + direction, direction, 1)
+    asked = [HideableLamp(item, np.array(place, float), 0.1)]
     with scratch_scene(context.scene) as scratch:
-        return bool(
-            hidden_lamps(scratch, [receiver], plan, [HideableLamp(item, np.array(place, float), 0.1)])[0]
-        )
+        return bool(hidden_lamps(scratch, [receiver], MIDDLE + direction, direction, asked)[0])
 
 
 def test_a_lamp_behind_a_wall_is_hidden_and_one_before_it_is_not() -> None:

@@ -20,9 +20,10 @@ from radtex_addon.forms.layered.files.arrangement import arranged, packed, tiled
 from radtex_addon.forms.layered.files.layered_files import read_layered, write_layered
 from radtex_addon.forms.layered.files.sidecar import MOST_MATERIALS, LayeredSidecar
 from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas, sample_layered
+from radtex_addon.forms.layered.lookup.environment import Shell
 from radtex_addon.forms.layered.textures import own_texels
 from tests.layered.made_up import made_up_atlas, made_up_fragments
-from tests.layered_lookups import everything
+from tests.layered_lookups import everything, in_a_room
 
 _BAKE = Sidecar("Vase", "radiance", 16, 16, 14, "RadTex", 16, 0, "portal", "RadTex 0", "5.2")
 
@@ -82,6 +83,24 @@ def test_lossy_compression_spares_what_is_no_light(atlas: LayeredAtlas, tmp_path
     found, _ = read_layered(path)
     for name in ("own", "distances"):
         np.testing.assert_allclose(arranged(found)[name], arranged(atlas)[name], rtol=1e-3, atol=1e-6)
+
+
+def test_a_room_comes_back(atlas: LayeredAtlas, tmp_path: Path) -> None:
+    path, room = tmp_path / "Vase.radiance.json", in_a_room(atlas)
+    write_layered(path, room, _BAKE)
+    found, _ = read_layered(path)
+    for one, other in zip(found.around.layers, room.around.layers, strict=True):
+        np.testing.assert_array_equal(one.shape.eye, other.shape.eye)
+    shell, before = (each.around.layers[0].shape for each in (found, room))
+    assert isinstance(shell, Shell)
+    assert isinstance(before, Shell)
+    np.testing.assert_array_equal(shell.normals, before.normals)
+    np.testing.assert_array_equal(shell.heights, before.heights)
+    facts = json.loads(path.read_text(encoding="utf-8"))
+    del facts["layered"]["shell"]["planes"][1:]
+    path.write_text(json.dumps(facts), encoding="utf-8")
+    with pytest.raises(FormatError, match="has 1 planes, expected 2 to 8"):
+        read_layered(path)
 
 
 def test_tiles_and_packed_levels_come_back() -> None:

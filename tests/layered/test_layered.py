@@ -10,6 +10,7 @@ import pytest
 from radtex_addon.bake.light_samples import Axis, LobeSamples, mirrored, spread_shifts
 from radtex_addon.bake.pooling import Neighbours
 from radtex_addon.core.arrays import Floats
+from radtex_addon.core.frame import normalised
 from radtex_addon.core.octahedron import cell_directions
 from radtex_addon.cycles.portal import Aim
 from radtex_addon.forms.layered.capture.panoramas import panorama_directions
@@ -24,6 +25,7 @@ from radtex_addon.forms.layered.lookup.environment import (
     Lamp,
     Pictures,
     Plane,
+    Shell,
     SurroundingLayer,
     lamps_of,
 )
@@ -69,6 +71,38 @@ def test_rays_meet_a_plane_where_it_is() -> None:
     np.testing.assert_allclose(met[0], np.array([1.25, 0, -1]) / distance, rtol=1e-5)
     np.testing.assert_allclose(wider[0], (1.25 / distance) ** 2 / distance / 0.8, rtol=1e-4)
     np.testing.assert_allclose(cover, [1, 0], atol=1e-6)
+
+
+def test_rays_meet_a_room_s_walls_where_they_are_from_inside() -> None:
+    rng = np.random.default_rng(4)
+    normals = np.concatenate([np.eye(3), -np.eye(3)]).astype(np.float32)
+    eye = np.array([0.5, -0.2, 0.3], dtype=np.float32)
+    shell = Shell(normals, np.array([-2, -1, -0.5, -2, -1, -1.5], dtype=np.float32), eye)
+    low, high = np.array([-2, -1, -0.5]), np.array([2, 1, 1.5])
+    offset = rng.uniform(low, high, (100, 3)).astype(np.float32)
+    axis = normalised(rng.normal(size=(100, 3))).astype(np.float32)
+    far = np.min(np.maximum((low - offset) / axis, (high - offset) / axis), axis=1, keepdims=True)
+    met, _, cover = shell.meet(offset, axis, np.full(100, 1e-4, np.float32))
+    place = offset + far * axis
+    np.testing.assert_allclose(met, normalised(place - eye), atol=1e-4)
+    np.testing.assert_allclose(shell.seen_at(met.astype(np.float32)), place, atol=2e-3)
+    assert (cover == 1).all()
+    # from the eye all is as wide as it is, from nearby a wall it is narrower there:
+    np.testing.assert_allclose(
+        shell.meet(np.tile(eye, (100, 1)), axis, np.full(100, 1e-4, np.float32))[1], 1, rtol=1e-3
+    )
+    near = np.array([[-1.9, 0, 0.3]], dtype=np.float32)
+    (narrow,) = shell.meet(near, np.array([[-1, 0, 0]], np.float32), np.full(1, 1e-4, np.float32))[1]
+    assert narrow < 0.01
+
+
+def test_what_leaves_an_open_room_is_seen_far_away() -> None:
+    normals = np.array([[0, 0, 1], [1, 0, 0]], dtype=np.float32)
+    shell = Shell(normals, np.array([-1, -1], dtype=np.float32), np.zeros(3, dtype=np.float32))
+    up = normalised(np.array([[0.1, 0.2, 1]], dtype=np.float32))
+    met, wider, _ = shell.meet(np.array([[5, 3, 0]], np.float32), up, np.full(1, 1e-4, np.float32))
+    np.testing.assert_allclose(met, up, atol=1e-4)
+    assert wider[0] == pytest.approx(1, rel=1e-3)
 
 
 def test_a_plane_takes_the_share_of_a_lobe_that_is_below_its_horizon() -> None:

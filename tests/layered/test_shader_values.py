@@ -40,8 +40,9 @@ def test_facts_survive_json(name: str) -> None:
 
 
 def test_every_uniform_of_everything_is_in_a_buffer() -> None:
-    case = case_of("everything")
-    values = bake_values(case.sidecar, case.stored) | material_values(case.sidecar, 0)
+    case, room = case_of("everything"), case_of("room")
+    values = bake_values(room.sidecar, room.stored) | bake_values(case.sidecar, case.stored)
+    values |= material_values(case.sidecar, 0)
     assert set(values) == set(BAKE_BUFFER) | set(MATERIAL_BUFFER) | set(THROUGH_BUFFER)
     numbers = np.reshape(buffer_of(values, BAKE_BUFFER), (-1, 4))
     assert len(numbers) == sum(BAKE_BUFFER.values())

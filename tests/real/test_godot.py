@@ -243,7 +243,16 @@ def _levels(levels: list[Floats]) -> Image:
 
 @pytest.mark.parametrize("renderer", RENDERERS)
 def test_the_layered_layout_agrees_with_the_reference(root: Root, renderer: str) -> None:
-    names = ["everything", "everything, in ranges", "made up", "things alone", "clear", "bare", "matt"]
+    names = [
+        "everything",
+        "everything, in ranges",
+        "made up",
+        "things alone",
+        "clear",
+        "bare",
+        "matt",
+        "room",
+    ]
     asked = {name: layered_jobs(case_of(name), FULL) for name in names}
     drawn = iter(answers(root, renderer, [job for some in asked.values() for job in some]))
     for name, some in asked.items():

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -65,6 +65,12 @@ class OwnRays:
         """Which rays meet the object, (K, S)."""
         return self.hit if self.misled is None else self.hit & ~self.misled
 
+    def without(self, some: Bools) -> OwnRays:
+        """Count `some` (K, S) of the rays that hit as free: the surroundings show what they meet."""
+        left = ~some[self.hit]
+        light = None if self.light is None else self.light[left]
+        return replace(self, hit=self.hit & ~some, met=self.met[left], place=self.place[left], light=light)
+
     def with_misled(self, misled: Bools, place: Floats, light: Floats) -> OwnRays:
         """Add rays (K, S) that are misled, M of them, the `place` (M, 3) of each and its `light`."""
         hit = self.hit | misled
@@ -81,14 +87,14 @@ class OwnRays:
 class LayeredSamples:
     """What the layered layout is fitted to.
 
-    `light`: single paths. `alone`: paths through the object in an empty world. `own`: mirror rays that meet
-    the object itself. `fine` and `coarse`: maps of the diffuse colour, the glossy colour and the shading
-    normal, "diffuse", "glossy", "normal", (H', W', 3) and (H, W, 3); where roughness may vary, "width", log2
-    of its lobe's width², one channel, NaN where it is not known; and in `fine` their "material"'s number,
-    (H', W', 1). `material` (K,): of the texels.
-    `exits`: for objects that let light through, the rays in which paths leave them. Both are None where the
-    samples are for a bake that is there.
-    `alpha` (H', W', 1): by which the maps in `fine` are multiplied, and all else is divided; None if it is 1.
+    `light`: single paths. `alone`: paths through the object in an empty world, and whether these pass it
+    where they would meet it again, `passing`. `own`: mirror rays that meet the object itself. `fine` and
+    `coarse`: maps of the diffuse colour, the glossy colour and the shading normal, "diffuse", "glossy",
+    "normal", (H', W', 3) and (H, W, 3); where roughness may vary, "width", log2 of its lobe's width², one
+    channel, NaN where it is not known; and in `fine` their "material"'s number, (H', W', 1). `material` (K,):
+    of the texels. `exits`: for objects that let light through, the rays in which paths leave them. Both are
+    None where the samples are for a bake that is there. `alpha` (H', W', 1): by which the maps in `fine` are
+    multiplied, and all else is divided; None if it is 1.
     """
 
     light: LightSamples
@@ -100,3 +106,4 @@ class LayeredSamples:
     material: Ints
     exits: ExitSamples | None = None
     alpha: Floats | None = None
+    passing: bool = False

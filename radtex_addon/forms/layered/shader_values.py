@@ -40,7 +40,7 @@ from .files.arrangement import (
     padded_size,
 )
 from .files.sidecar import LayeredSidecar
-from .lookup.environment import MOST_LAMPS
+from .lookup.environment import MOST_LAMPS, MOST_PLANES, Plane, Shell
 from .lookup.images import ROWS
 from .lookup.lobes import STEPS, Material
 
@@ -99,6 +99,8 @@ BAKE_BUFFER = {
     "radtex_distances_size": 1,
     "radtex_plane_place": 1,
     "radtex_plane_eye": 1,
+    "radtex_things_eye": 1,
+    "radtex_shell": MOST_PLANES,
     "radtex_lamp_place": MOST_LAMPS,
     "radtex_lamp_light": MOST_LAMPS,
 }
@@ -174,6 +176,8 @@ def definitions(sidecar: LayeredSidecar, cost: LookupCost = DEFAULT) -> dict[str
         )
     found = {f"RADTEX_{layer.upper()}": 1 for layer in _OPTIONAL if layer in layers}
     found |= {"RADTEX_LAMPS": lamps, "RADTEX_REST_CELLS": sidecar.rest_cells}
+    if PLANE in layers and isinstance(sidecar.plane, Shell):
+        found["RADTEX_SHELL"] = len(sidecar.plane.heights)
     found |= {"RADTEX_STEPS": cost.steps, "RADTEX_REST_TAPS": cost.rest_taps}
     if _mirrors(sidecar):
         found |= {"RADTEX_MIRRORS": 1, "RADTEX_OWN_CELLS": sidecar.own_cells}
@@ -217,11 +221,20 @@ def bake_values(sidecar: LayeredSidecar, stored: Mapping[str, Stored], cost: Loo
         if mean <= 0:
             raise ValueError("distances: expected the mean of the texture's values")
         values["radtex_distances_size"] = _row([sidecar.distances, 1 / mean, 0, 0])
+        values["radtex_things_eye"] = _row([*sidecar.things_eye, 0])
     if PLANE in layers and sidecar.plane is not None:
-        plane = sidecar.plane
-        values["radtex_plane_place"] = _row([*plane.normal, plane.height])
-        values["radtex_plane_eye"] = _row([*plane.eye, float(plane.eye @ plane.normal) - plane.height])
+        values |= _plane_values(sidecar.plane)
     return values
+
+
+def _plane_values(plane: Plane | Shell) -> Values:
+    if isinstance(plane, Shell):
+        planes = np.column_stack([plane.normals, plane.heights]).astype(np.float64)
+        return {"radtex_shell": _rows(planes), "radtex_plane_eye": _row([*plane.eye, 0])}
+    return {
+        "radtex_plane_place": _row([*plane.normal, plane.height]),
+        "radtex_plane_eye": _row([*plane.eye, float(plane.eye @ plane.normal) - plane.height]),
+    }
 
 
 def material_values(sidecar: LayeredSidecar, number: int, cost: LookupCost = DEFAULT) -> Values:

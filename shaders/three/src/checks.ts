@@ -28,21 +28,26 @@ const DEFINES = new Map<string, Range>([
   ),
   ...["OWN_CELLS", "REST_CELLS", "EXIT_CELLS", "THROUGH_CELLS"].map((name): [string, Range] => [`RADTEX_${name}`, [1, 64]]),
   ["RADTEX_LAMPS", [0, 8]],
+  ["RADTEX_SHELL", [2, 8]],
   ["RADTEX_STEPS", [0, 2]],
   ["RADTEX_SECOND_LOBE", [0, 1]],
   ["RADTEX_OWN_TAPS", [3, 4]],
   ["RADTEX_REST_TAPS", [3, 4]],
   ["RADTEX_EXIT_TAPS", [4, 16]],
 ]);
-// Its uniforms of one vector; those of as many as there are lamps; and those of each material, with their lengths.
+// Its uniforms of one vector; those of as many as there are lamps, or planes of a room; and those of each material, with their lengths.
 const VECTORS = new Set([
   ...LAYERS.map((layer) => `radtex_${layer}_range`),
   ...["middle", "own_tile", "rest_tile", "exit_tile", "through_rest_tile", "world_levels", "plane_levels"].map(
     (name) => `radtex_${name}`,
   ),
-  ...["things_levels", "distances_size", "plane_place", "plane_eye"].map((name) => `radtex_${name}`),
+  ...["things_levels", "distances_size", "plane_place", "plane_eye", "things_eye"].map((name) => `radtex_${name}`),
 ]);
-const LAMPS = ["radtex_lamp_place", "radtex_lamp_light"];
+const COUNTED = new Map([
+  ["radtex_lamp_place", "RADTEX_LAMPS"],
+  ["radtex_lamp_light", "RADTEX_LAMPS"],
+  ["radtex_shell", "RADTEX_SHELL"],
+]);
 const OF_IMAGES = "radtex_images"; // of some materials alone
 const OF_MATERIAL = new Map([
   ["radtex_material", 16],
@@ -159,9 +164,10 @@ function checkShader(shader: Facts, textures: Facts): number {
     const known = typeof layer === "string" && LAYERS.includes(layer) && Object.hasOwn(textures, layer);
     expect(known, "layers", layer, "layers that have a texture");
   }
-  const lamps = (defines["RADTEX_LAMPS"] as number | undefined) ?? 0;
   for (const [name, value] of Object.entries(objectAt(shader, "values"))) {
-    checkValue(name, value, LAMPS.includes(name) ? lamps : 0, LAMPS.includes(name) || VECTORS.has(name));
+    const counted = COUNTED.get(name);
+    const rows = counted === undefined ? 0 : ((defines[counted] as number | undefined) ?? 0);
+    checkValue(name, value, rows, counted !== undefined || VECTORS.has(name));
   }
   expect(Array.isArray(materials), "materials", materials, "a list");
   const count = (materials as unknown[]).length;

@@ -34,7 +34,7 @@ from ....settings.rays import PROBE_CELLS, PROBES, LayeredRays, coarser, finer
 from ....settings.spec import BakeSpec
 from ..cells import EXIT_CELLS, OWN_RAYS, OWN_SIDE
 from ..fit.through import lets_through
-from ..lookup.environment import Around
+from ..lookup.environment import Around, Shell
 from ..samples import ExitSamples, LayeredSamples, OwnRays
 from .enclosed import enclosed
 from .exits import capture_exits
@@ -45,6 +45,7 @@ from .misled_rays import find_misled
 from .opacity import find_opacity
 from .own_rays import SurfaceUV, capture_own_rays, own_aim, own_samples, sides_of
 from .panoramas import look_around
+from .room import Room, find_room
 from .source_rays import capture_source_rays
 from .stored_surroundings import around_of, arrays_of
 from .surface_alone import Clear, surface_alone
@@ -137,12 +138,13 @@ class _Captures:
         times = LayeredTimes(count, replace(rays, ends=of_ends), own_side(count) ** 2, self.surroundings)
         bar = StageParts(Stage.CAPTURE, times.capture)
         yield bar.at("maps")
+        room, passing = self._room(lit)
         faces = prepared.surface.material_numbers
         fine_maps = self._fine_maps(fine, triangle)
         coarse_maps = self._maps("coarse", plan(1))
         del fine, triangle  # they are as large as what is captured
         yield bar.at("ends")
-        lone = None if self.known is not None else self._ends(plan(rays.ends), middle)
+        lone = None if self.known is not None else self._ends(plan(rays.ends), middle, passing)
 
         def of_light(step: Progress) -> Progress:
             return bar.at("light", step.done / step.total)
@@ -163,10 +165,14 @@ class _Captures:
         through = lone is not None and lets_through(lone, light)
         if lone is not None:
             lone = replace(lone, plan=lit)  # all plans have the same texels, and each takes memory
-        found = yield from self._surrounded(own, lit, plan(own_side(count)), (middle, radius), through, times)
+        found = yield from self._surrounded(
+            own, lit, plan(own_side(count)), (middle, radius), through, times, room
+        )
         own, around, exits, looked = found
         capture = opacity.bare(
-            LayeredSamples(light, lone, own, around, fine_maps, coarse_maps, faces[material], exits)
+            LayeredSamples(
+                light, lone, own, around, fine_maps, coarse_maps, faces[material], exits, passing=passing
+            )
         )
         paths += len(probe.texel) * PROBES * PROBE_CELLS**2 + looked + opacity.rays + own.traced
         paths += 0 if exits is None else 3 * exits.weight.size
@@ -180,21 +186,22 @@ class _Captures:
         reach: tuple[Floats, float],
         through: bool,
         times: LayeredTimes,
+        room: Room | None,
     ) -> Steps[tuple[OwnRays, Around, ExitSamples | None, int]]:
-        """Own rays with the misled ones, what surrounds the objects, what leaves them, and the paths of that.
+        """Own rays with the misled ones, what surrounds the objects, what leaves them, and its paths.
 
-        `reach`: their middle and radius; `through`: they let light through.
+        `reach`: their middle and radius; `through`: they let light through; the `room` that they stand in.
         """
         bar = StageParts(Stage.SURROUNDINGS, times.around_clear if through else times.around)
         yield bar.at("pictures")
         with enclosed(self.scratch, self.bodies if through else ()) as inside:
-            around, looked = self._around(lit, *reach, inside)
+            around, looked = self._around(lit, *reach, inside, room)
             exits = None
             if through:
                 yield bar.at("exits")
                 exits = self._exits((*self.bodies, *inside), *reach, times.rays.exits)
             yield bar.at("misled")
-            own = self._with_misled(own, own_plan, around, inside, times.rays.light**2 // 4)
+            own = self._with_misled(own, own_plan, around, inside, times.rays.light**2 // 4, room)
         yield bar.end()
         return own, around, exits, looked
 
@@ -205,8 +212,21 @@ class _Captures:
             log.warning(black_bake(self.prepared.name))
         return light
 
-    def _ends(self, plan: CapturePlan, middle: Floats) -> EndSamples:
+    def _room(self, plan: CapturePlan) -> tuple[Room | None, bool]:
+        """The room around the objects, if there is one, and whether they are part of it."""
+        known = self.known is None or any(isinstance(layer.shape, Shell) for layer in self.known.layers)
+        if not known or self.prepared.source is not None:
+            return None, False
+        baked = [body.original for body in self.bodies]
+        facet = plan.facet.reshape(-1, 3)[: len(plan.texel)]
+        found = find_room(self.scratch, baked, plan.points, facet, self.spec.seed)
+        return found, found is not None and found.encloses(baked)
+
+    def _ends(self, plan: CapturePlan, middle: Floats, passing: bool) -> EndSamples:
+        """Paths through the object; `passing` it if they would meet it after it has mirrored them."""
         with scene_copied(self.scratch) as copy, path_ends(copy, self.bodies, (), middle) as ends:
+            for item in ends.copies if passing else ():
+                item.visible_glossy = False
             return _lean(capture_ends(ends, plan, self.spec.seed, self.folder, self.store))
 
     def _within(self, plan: CapturePlan, triangle: Ints) -> Iterable[CapturePlan]:
@@ -268,7 +288,12 @@ class _Captures:
         return OwnRays(samples, hit, cast(Ints, kept["met"]), kept["place"], kept.get("light"))
 
     def _around(
-        self, plan: CapturePlan, middle: Floats, radius: float, inside: tuple[Body, ...]
+        self,
+        plan: CapturePlan,
+        middle: Floats,
+        radius: float,
+        inside: tuple[Body, ...],
+        room: Room | None,
     ) -> tuple[Around, int]:
         """What surrounds the objects, and those `inside` them, and how many paths that took."""
         if self.known is not None:
@@ -278,10 +303,10 @@ class _Captures:
             baked = [body.original for body in self.bodies]
             unseen = [*baked, *(body.original for body in inside)]
             with scene_copied(self.scratch) as copy:
-                lamps = find_lamps(copy, baked, plan, middle, self.folder)
+                lamps = find_lamps(copy, baked, plan, middle, self.folder, room)
             with scene_copied(self.scratch) as copy:
                 seen = look_around(
-                    copy, unseen, middle, radius, self.folder, self.spec.seed, self.surroundings
+                    copy, unseen, middle, radius, self.folder, self.spec.seed, self.surroundings, room
                 )
             around = Around(middle, seen.world, seen.layers, lamps)
             return arrays_of(around) | {"paths": np.array([seen.paths], dtype=np.int64)}
@@ -290,21 +315,32 @@ class _Captures:
         return around_of(kept), int(kept["paths"][0])
 
     def _with_misled(
-        self, own: OwnRays, plan: CapturePlan, around: Around, inside: tuple[Body, ...], most: int
+        self,
+        own: OwnRays,
+        plan: CapturePlan,
+        around: Around,
+        inside: tuple[Body, ...],
+        most: int,
+        room: Room | None,
     ) -> OwnRays:
-        """The own rays, and those that the surroundings would show wrongly; see `find_misled`."""
+        """The own rays, and those that the surroundings would show wrongly; see `find_misled`.
+
+        Without those that meet the objects where the pictures of a room show them.
+        """
 
         def capture() -> Arrays:
-            seed, folder = self.spec.seed, self.folder
-            found = find_misled(
-                self.scratch, (*self.bodies, *inside), around, own.hit, plan, most, seed, folder
-            )
+            seed, folder, unseen = self.spec.seed, self.folder, (*self.bodies, *inside)
+            if room is not None:
+                hidden = room.hidden([body.original for body in unseen])
+                unseen = tuple(body for body in unseen if body.original in hidden)
+            found = find_misled(self.scratch, unseen, around, own.hit, plan, most, seed, folder)
             return {} if found is None else vars(found)
 
         kept = self.store.get_or_make("misled", capture)
         if not kept:
             return own
-        return own.with_misled(cast(Bools, kept["rays"]), kept["place"], kept["light"])
+        bare = own.without(cast(Bools, kept["shown"]))
+        return bare.with_misled(cast(Bools, kept["rays"]), kept["place"], kept["light"])
 
     def _exits(self, bodies: tuple[Body, ...], middle: Floats, radius: float, times: int) -> ExitSamples:
         side = max(self.prepared.width, self.prepared.height)

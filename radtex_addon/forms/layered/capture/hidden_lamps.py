@@ -12,7 +12,6 @@ import numpy as np
 from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
-from ....bake.plan import CapturePlan
 from ....core.arrays import Bools, Floats, Ints
 from ....scene.checks.see_through import is_see_through
 from ....scene.lights.linking import shadows
@@ -44,12 +43,11 @@ class Sights:
     along: Floats
 
     @classmethod
-    def of(cls, plan: CapturePlan, lamps: Sequence[HideableLamp]) -> Sights:
-        """From points of the plan that face the lamps, to the lamps' near sides."""
-        step = max(1, len(plan.texel) // _POINTS)
-        points = plan.points[::step].astype(np.float64)
+    def of(cls, points: Floats, normals: Floats, lamps: Sequence[HideableLamp]) -> Sights:
+        """From points (P, 3) that face the lamps by their unit normals (P, 3), to the lamps' near sides."""
+        step = max(1, len(points) // _POINTS)
+        points, normals = points[::step].astype(np.float64), normals[::step]
         apart = _APART * float(np.linalg.norm(points - points.mean(axis=0), axis=1).max())
-        normals = plan.normal.reshape(-1, 3)[: len(plan.texel) : step]
         numbers, starts, alongs = [], [], []
         for number, lamp in enumerate(lamps):
             along = lamp.place - points
@@ -65,16 +63,17 @@ class Sights:
 def hidden_lamps(
     scene: bpy.types.Scene,
     subjects: Collection[bpy.types.Object],
-    plan: CapturePlan,
+    points: Floats,
+    normals: Floats,
     lamps: Sequence[HideableLamp],
 ) -> Bools:
-    """Whether each of some `lamps` is hidden from most points of the plan that face it: (L,).
+    """Whether each of some `lamps` is hidden from most points that face it: (L,).
 
-    The `subjects`, which are baked, hide nothing here, nor does what lets light through, what shadow rays do
-    not see, or what a lamp's shadows or shadow linking leave out. Raises BakeError where Blender does not
-    render.
+    `points` (P, 3) and their unit `normals` (P, 3) are in world space. The `subjects` hide nothing here, nor
+    does what lets light through, what shadow rays do not see, or what a lamp's shadows or shadow linking
+    leave out. Raises BakeError where Blender does not render.
     """
-    sights = Sights.of(plan, lamps)
+    sights = Sights.of(points, normals, lamps)
     blocked = np.zeros(len(sights.lamp), dtype=bool)
     trees: dict[Shape, BVHTree] = {}
     for between in read_render(scene, lambda shown: list(_between(shown, frozenset(subjects), sights))):

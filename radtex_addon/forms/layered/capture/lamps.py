@@ -36,6 +36,7 @@ from ....settings.spec import Kind
 from ..lookup.environment import MOST_LAMPS, Lamp, lamps_of
 from .hidden_lamps import HideableLamp, hidden_lamps
 from .own_rays import dark_world
+from .room import Room
 
 log = logging.getLogger(__name__)
 
@@ -126,17 +127,24 @@ def find_lamps(
     plan: CapturePlan,
     middle: Floats,
     folder: Path,
+    room: Room | None = None,
 ) -> tuple[Lamp, ...]:
     """The lamps of a scratch scene, which is spent, that its baked `receivers` mirror, from `middle` (3,).
 
-    Those that are hidden from most of the `plan`'s points are none. One that the middle lies in is left out,
-    and named in a warning. Of more than shaders mirror, those that
-    give most light are taken; the others' highlights are in what is left of the light, as blurs.
-    Raises BakeError where Cycles fails.
+    Those that are hidden from most of the `plan`'s points are none; of a `room` only points inside count, and
+    the receivers hide lamps, too, as its walls do a sun. One that the middle lies in is left out, and named
+    in a warning. Of more than shaders mirror, those that give most light are taken; the others' highlights
+    are in what is left of the light, as blurs. Raises BakeError where Cycles fails.
     """
     lamps = [lamp for lamp in lamps_shown(scene, receivers) if _is_apart(lamp, middle)]
     targets = [HideableLamp(lamp.item, middle + lamp.towards(middle), lamp.diameter / 2) for lamp in lamps]
-    hidden = hidden_lamps(scene, receivers, plan, targets) if lamps else np.zeros(0, dtype=bool)
+    points, normals = plan.points, plan.normal.reshape(-1, 3)[: len(plan.texel)]
+    inside = np.ones(len(points), dtype=bool) if room is None else room.holds(points)
+    if lamps and inside.any():
+        between = receivers if room is None else room.hidden(receivers)
+        hidden = hidden_lamps(scene, between, points[inside], normals[inside], targets)
+    else:
+        hidden = np.zeros(len(lamps), dtype=bool)
     lamps = [lamp for lamp, is_hidden in zip(lamps, hidden, strict=True) if not is_hidden]
     if not lamps:
         return ()

@@ -55,11 +55,13 @@ class Misled:
     """Which `rays` (K, S) are misled, and where each of these M ends: its `place` (M, 3), in world space.
 
     It is NaN where that is the world. `light` (M, 3): that of a path along it, NaN where none was traced.
+    `shown` (K, S): rays that meet the baked objects where the layers show them, as of a room's walls.
     """
 
     rays: Bools
     place: Floats
     light: Floats
+    shown: Bools
 
 
 def find_misled(
@@ -74,8 +76,8 @@ def find_misled(
 ) -> Misled | None:
     """The misled ones of the rays that `capture_own_rays` takes, of which `hit` (K, S) meet the object.
 
-    None where few are. The `unseen` are baked, or lie inside what is. At most so many paths a texel
-    as `most` are traced, on average. Raises BakeError where Cycles fails.
+    None where few are. The `unseen` are baked, or lie inside what is, and are in no picture. At most so many
+    paths a texel as `most` are traced, on average. Raises BakeError where Cycles fails.
     """
     originals = frozenset(body.original for body in unseen)
     others = read_render(scratch, lambda shown: _others(shown, originals))
@@ -86,8 +88,8 @@ def find_misled(
     with scene_copied(scratch) as copy:
         for some, ends in _ends(copy, unseen, others, plan, seed, folder):
             found += judge.judged(some, ends)
-    rays, place, known = (np.concatenate(parts) for parts in zip(*found, strict=True))
-    if rays.mean() < _FEW:
+    rays, place, known, shown = (np.concatenate(parts) for parts in zip(*found, strict=True))
+    if rays.mean() < _FEW and not shown.any():
         return None
     light = np.full(place.shape, np.nan, dtype=np.float32)
     traced = _spread(len(rays), min(1.0, most / rays.shape[1]))[np.nonzero(rays)[0]] & ~known
@@ -95,7 +97,7 @@ def find_misled(
         with scene_copied(scratch) as copy:
             along = light_along(copy, plan, own_aim(plan, seed), rays, traced, seed, folder)
         light[traced] = along[traced]
-    return Misled(rays, place, light)
+    return Misled(rays, place, light, shown)
 
 
 def _others(shown: Iterator[Shown], unseen: Collection[bpy.types.Object]) -> list[Placed] | None:
@@ -185,25 +187,32 @@ class _Judge:
     square: Floats
     hit: Bools
 
-    def judged(self, some: slice, ends: _Ends) -> list[tuple[Bools, Floats, Bools]]:
+    def judged(self, some: slice, ends: _Ends) -> list[tuple[Bools, Floats, Bools, Bools]]:
         """What `_judged` finds of some texels, block by block."""
 
-        def judge(part: slice) -> tuple[Bools, Floats, Bools]:
+        def judge(part: slice) -> tuple[Bools, Floats, Bools, Bools]:
             return self._judged(slice(some.start + part.start, some.start + part.stop), ends.of(part))
 
         return in_blocks(judge, *ends.thing.shape)
 
-    def _judged(self, some: slice, ends: _Ends) -> tuple[Bools, Floats, Bools]:
-        """Which of some texels' rays are misled (k, S), their places (M, 3), which of these are known."""
-        asked = ~self.hit[some] & ~ends.body
+    def _judged(self, some: slice, ends: _Ends) -> tuple[Bools, Floats, Bools, Bools]:
+        """Which of some texels' rays are misled (k, S), their places (M, 3), which of these are known.
+
+        And which meet the object where the layers show it, (k, S).
+        """
+        hit = self.hit[some]
+        asked = ~ends.body & (~hit | ends.thing)
         row, ray = np.nonzero(asked)
         axis = mirrored(self.plan, self.square[some], some)[row, ray]
         offset = (self.plan.points[some] - self.around.middle).astype(np.float32)[row]
         place = np.where(ends.thing[..., None], ends.place - self.around.middle, np.float32(np.nan))[row, ray]
         wrong, known = self._wrong(offset, axis, place.astype(np.float32), ends.exact)
-        rays = np.zeros_like(asked)
+        own = hit[row, ray]
+        rays, shown = np.zeros_like(asked), np.zeros_like(asked)
+        shown[row, ray] = own & ~wrong
+        wrong &= ~own
         rays[row, ray] = wrong
-        return rays, (place + self.around.middle)[wrong].astype(np.float32), known[wrong]
+        return rays, (place + self.around.middle)[wrong].astype(np.float32), known[wrong], shown
 
     def _wrong(self, offset: Floats, axis: Floats, place: Floats, exact: float) -> tuple[Bools, Bools]:
         """Which of N rays are misled, and of which the pictures know where they end, (N,) both."""

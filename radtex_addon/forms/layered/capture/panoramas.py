@@ -30,9 +30,10 @@ from ....scene.mesh.render_contents import Shape, Shown, read_render
 from ....scene.objects import is_rendered
 from ....scene.regroup import regroup
 from ....scene.scratch import find_view_layer, scene_copied
-from ....settings.rays import NEAR_SAMPLES, NEAR_WIDTH, WORLD_WIDTH
+from ....settings.rays import NEAR_SAMPLES, NEAR_WIDTH, ROOM_SAMPLES, WORLD_WIDTH
 from ..cells import PICTURE_SIZE
-from ..lookup.environment import Impostor, Pictures, Plane, SurroundingLayer
+from ..lookup.environment import Impostor, Pictures, Plane, Shell, SurroundingLayer
+from .room import Room
 
 log = logging.getLogger(__name__)
 
@@ -50,30 +51,43 @@ NO_SURFACE = frozenset({"LIGHT", "LIGHT_PROBE", "CAMERA", "SPEAKER", "EMPTY", "A
 
 @dataclass(frozen=True, eq=False)
 class Near:
-    """Objects of the scene that lie in one layer with their instances; a plane's normal and height in it."""
+    """Objects of the scene that lie in one layer with their instances.
+
+    In a plane, with its normal and height, or on the planes of a room.
+    """
 
     objects: frozenset[bpy.types.Object]
-    plane: tuple[Floats, float] | None
+    plane: tuple[Floats, float] | None = None
+    room: Room | None = None
 
 
-def near_things(scene: bpy.types.Scene, subjects: Collection[bpy.types.Object]) -> list[Near]:
+def near_things(
+    scene: bpy.types.Scene, subjects: Collection[bpy.types.Object], room: Room | None = None
+) -> list[Near]:
     """The largest flat thing that a scratch scene renders, and all others, from far to near.
 
-    What is not there is left out, and so are the `subjects`, which are baked. What lies nowhere is
-    left out with a warning. Raises BakeError where Blender does not render.
+    Of a `room` the things on its planes, and its furniture. What is not there is left out, and so are the
+    `subjects`, which are baked; but a room's planes have those that belong to them, and so has its furniture
+    where it is seen from an eye of the room. What lies nowhere is left out with a warning. Raises BakeError
+    where Blender does not render.
     """
-    there = read_render(scene, lambda shown: _owners(shown, frozenset(subjects)))
+    hidden = frozenset(subjects) if room is None else room.hidden(subjects)
+    there = read_render(scene, lambda shown: _owners(shown, hidden))
     finite = {owner: found for owner, found in there.items() if found.is_somewhere}
     for owner in there.keys() - finite.keys():
         log.warning(
             "object '%s' has vertices nowhere, or too far away: nothing mirrors it",
             owner.name,
         )
+    if room is not None:
+        shell = frozenset(owner for owner in finite if owner not in room.furniture)
+        inside = frozenset(owner for owner in finite if owner in room.furniture)
+        return [Near(shell, room=room)] + ([Near(inside)] if inside else [])
     flat = {owner: found for owner, found in finite.items() if found.is_flat}
     largest = max(flat, key=lambda owner: (flat[owner].size, owner.name), default=None)
     others = frozenset(owner for owner in finite if owner is not largest)
     found = [] if largest is None else [Near(frozenset({largest}), flat[largest].plane)]
-    return found + ([Near(others, None)] if others else [])
+    return found + ([Near(others)] if others else [])
 
 
 def _owners(shown: Iterator[Shown], subjects: frozenset[bpy.types.Object]) -> dict[bpy.types.Object, _Spread]:
@@ -173,17 +187,19 @@ def look_around(
     folder: Path,
     seed: int,
     share: float = 1.0,
+    room: Room | None = None,
 ) -> Panoramas:
     """Render the panoramas of a scratch scene, which is spent, without its `subjects`, which are baked.
 
-    The subjects lie in a sphere of `radius` about `middle` (3,). Panoramas show what glossy rays see. Their
-    width and that of the resulting pictures is a `share` of the usual.
+    The subjects lie in a sphere of `radius` about `middle` (3,), and may stand in a `room`: see
+    `near_things`. Panoramas show what glossy rays see. Their width and that of the resulting pictures is a
+    `share` of the usual.
 
     Only what a layer can show is rendered of its panorama: of a plane what lies below its horizon, of other
     things a rectangle around them. Raises BakeError where Cycles fails.
     """
     world_width, near_width, size = (int(share * side) for side in (WORLD_WIDTH, NEAR_WIDTH, PICTURE_SIZE))
-    near = near_things(scene, subjects)
+    near = near_things(scene, subjects, room)
     with scene_copied(scene) as bare:
         regroup(bare, {})
         bare.world = world_in_reflections(bare.world)
@@ -195,15 +211,17 @@ def look_around(
     scene.render.film_transparent = True
     with as_glossy_rays_see(scene), materials_in_reflections(), _unlinked_dark(scene, subjects):
         for things, home in zip(near, homes, strict=True):
-            plane = None if things.plane is None else _seen_from_above(*things.plane, middle, radius)
             for other in homes:
                 other.indirect_only = other != home
-            if plane is None:
-                camera.place(middle)
-                layer = _impostor_layer(camera, near_width, middle, size)
-            else:
+            if things.room is not None:
+                layer = _shell_layer(camera, near_width, things.room.shell(middle), middle, size)
+            elif things.plane is not None:
+                plane = _seen_from_above(*things.plane, middle, radius)
                 camera.place(middle + plane.eye, plane.normal)
                 layer = _plane_layer(camera, near_width, plane, size)
+            else:
+                eye = None if room is None else room.furniture_eye
+                layer = _impostor_layer(camera, near_width, middle, eye, size)
             if layer is not None:
                 layers.append(layer)
     return Panoramas(world, tuple(layers), distant.paths + camera.paths)
@@ -219,11 +237,29 @@ def _plane_layer(camera: _Camera, width: int, plane: Plane, size: int) -> Surrou
     return SurroundingLayer(Pictures.of(*_with_mirror_image(plane, direction, light), size), plane)
 
 
-def _impostor_layer(camera: _Camera, width: int, middle: Floats, size: int) -> SurroundingLayer | None:
-    """The picture of all that is seen, and how far away it is; None if nothing is."""
+def _shell_layer(
+    camera: _Camera, width: int, shell: Shell, middle: Floats, size: int
+) -> SurroundingLayer | None:
+    """The picture of what lies on a room's planes, and beyond them; None if nothing is seen of it."""
+    camera.place(middle + shell.eye)
+    light = camera.render(width, ROOM_SAMPLES, denoise=True)["Combined"]
+    if not light[..., 3].any():
+        return None
+    return SurroundingLayer(Pictures.of(camera.directions(width), light, size), shell)
+
+
+def _impostor_layer(
+    camera: _Camera, width: int, middle: Floats, eye: Floats | None, size: int
+) -> SurroundingLayer | None:
+    """The picture of all that is seen, and how far away it is; None if nothing is.
+
+    It is seen from the middle, or from an `eye` (3,) in a room.
+    """
+    place = middle if eye is None else eye.astype(np.float32)
+    camera.place(place)
     where = camera.render(width, 1, position=True)
     direction, alpha = camera.directions(width), where["Combined"][..., 3]
-    distance = np.linalg.norm(where["Position"][..., :3] - middle, axis=-1)
+    distance = np.linalg.norm(where["Position"][..., :3] - place, axis=-1)
     solid = (alpha > _SOLID) & np.isfinite(distance) & (distance > 0)
     if not solid.any():
         return None
@@ -231,9 +267,10 @@ def _impostor_layer(camera: _Camera, width: int, middle: Floats, size: int) -> S
         _around(np.flatnonzero(some), len(some)) for some in (alpha.any(axis=1), alpha.any(axis=0))
     )
     light = np.zeros((*alpha.shape, 4), dtype=np.float32)
-    seen = camera.render(width, NEAR_SAMPLES, rows, columns, denoise=True)
+    samples = NEAR_SAMPLES if eye is None else ROOM_SAMPLES
+    seen = camera.render(width, samples, rows, columns, denoise=True)
     light[rows, columns] = seen["Combined"]
-    shape = Impostor.of(direction[solid], distance[solid])
+    shape = Impostor.of(direction[solid], distance[solid], place - middle)
     return SurroundingLayer(Pictures.of(direction, light, size), shape)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from ....bake.piece_store import Arrays
 from ....core.arrays import Floats
-from ..lookup.environment import Around, Impostor, Lamp, Pictures, Plane, SurroundingLayer
+from ..lookup.environment import Around, Impostor, Lamp, Pictures, Plane, Shell, SurroundingLayer
 
 
 def arrays_of(around: Around) -> Arrays:
@@ -16,10 +16,14 @@ def arrays_of(around: Around) -> Arrays:
     found: Arrays = {"middle": around.middle} | _levels("world", around.world)
     for number, layer in enumerate(around.layers):
         found |= _levels(f"layer{number}", layer.pictures)
-        if isinstance(layer.shape, Plane):
-            found[f"plane{number}"] = np.array([*layer.shape.normal, layer.shape.height, *layer.shape.eye])
+        shape = layer.shape
+        if isinstance(shape, Plane):
+            found[f"plane{number}"] = np.array([*shape.normal, shape.height])
+        elif isinstance(shape, Shell):
+            found[f"shell{number}"] = np.column_stack([shape.normals, shape.heights])
         else:
-            found[f"nearness{number}"] = layer.shape.nearness
+            found[f"nearness{number}"] = shape.nearness
+        found[f"eye{number}"] = shape.eye
     found["lamps"] = np.array(
         [[*lamp.place, *lamp.irradiance, lamp.variance] for lamp in around.lamps], dtype=np.float64
     ).reshape(-1, 7)
@@ -31,12 +35,16 @@ def around_of(arrays: Arrays) -> Around:
     layers: list[SurroundingLayer] = []
     while f"layer{len(layers)}_sharpest" in arrays:
         number = len(layers)
-        shape: Plane | Impostor
+        shape: Plane | Shell | Impostor
+        eye = _single(arrays[f"eye{number}"])
         if f"plane{number}" in arrays:
             plane = arrays[f"plane{number}"]
-            shape = Plane(_single(plane[:3]), float(plane[3]), _single(plane[4:]))
+            shape = Plane(_single(plane[:3]), float(plane[3]), eye)
+        elif f"shell{number}" in arrays:
+            planes = _single(arrays[f"shell{number}"])
+            shape = Shell(planes[:, :3], planes[:, 3], eye)
         else:
-            shape = Impostor(arrays[f"nearness{number}"])
+            shape = Impostor(arrays[f"nearness{number}"], eye)
         layers.append(SurroundingLayer(_pictures(f"layer{number}", arrays), shape))
     lamps = tuple(Lamp(_single(row[:3]), _single(row[3:6]), float(row[6])) for row in arrays["lamps"])
     return Around(arrays["middle"], _pictures("world", arrays), tuple(layers), lamps)

@@ -18,7 +18,7 @@ import numpy as np
 from ....core.arrays import Floats
 from ..lookup.atlas import LayeredAtlas
 from ..lookup.edge_grid import EdgeImpostor, EdgePictures, on_edges
-from ..lookup.environment import Impostor, Pictures, Plane, SurroundingLayer
+from ..lookup.environment import Impostor, Pictures, SurroundingLayer
 from ..lookup.ways import Through
 
 COLOUR, IRRADIANCE, TINT, NORMAL, WIDTH, ALPHA = "colour", "irradiance", "tint", "normal", "width", "alpha"
@@ -93,10 +93,10 @@ def through_of(images: Mapping[str, Floats], cells: int, rest_cells: int, size: 
 
 
 def near_layers(atlas: LayeredAtlas) -> tuple[SurroundingLayer | None, SurroundingLayer | None]:
-    """The plane and the other things of an atlas's surroundings. Raises ValueError for any other layers."""
+    """The plane, or planes, and the other things around an atlas. Raises ValueError for any other layers."""
     found: list[SurroundingLayer | None] = [None, None]
     for layer in atlas.around.layers:
-        place = int(not isinstance(layer.shape, Plane))
+        place = int(isinstance(layer.shape, Impostor))
         if found[place] is not None or (place == 0 and found[1] is not None):
             raise ValueError("surroundings: expected a plane and, before it, other things, each at most once")
         found[place] = layer

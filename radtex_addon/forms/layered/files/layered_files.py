@@ -91,7 +91,8 @@ def atlas_of(images: dict[str, Floats], facts: LayeredSidecar) -> LayeredAtlas:
     if facts.plane is not None:
         layers.append(SurroundingLayer(pictures[PLANE], facts.plane))
     if THINGS in pictures:
-        layers.append(SurroundingLayer(pictures[THINGS], EdgeImpostor(images[DISTANCES][..., 0])))
+        things = EdgeImpostor(images[DISTANCES][..., 0], facts.things_eye)
+        layers.append(SurroundingLayer(pictures[THINGS], things))
     through = facts.through
     return LayeredAtlas(
         colour=images[COLOUR],

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,7 @@ from ....core.errors import BakeError, FormatError, ShapeError
 from ....formats.json_reader import Facts, json_text
 from ....formats.sidecar import Sidecar
 from ..lookup.atlas import LayeredAtlas
-from ..lookup.environment import Lamp, Pictures, Plane
+from ..lookup.environment import MOST_PLANES, Impostor, Lamp, Pictures, Plane, Shell
 from ..lookup.images import Colour, ImageLook
 from ..lookup.lobes import LOBES, STEPS, Gloss, Material
 from .arrangement import (
@@ -76,8 +76,9 @@ class LayeredSidecar:
     most cells that buckets can have. `colour` is the size of the maps of the material, `width` that of the
     lobes' widths, which may be as coarse as the irradiance; `coarse` tells how many texels have buckets, of
     `own_cells` x `own_cells` and `rest_cells` x `rest_cells` cells. `distances` are the cells along the side
-    of that map and `nearness` its mean, 0 without. Falloffs (STEPS, 3) are by material, as are the lobes; so
-    are `looks`, which tell how materials are shown by their own images, empty if none is.
+    of that map, `nearness` its mean, 0 without, and `things_eye` (3,) whence it is seen, from the middle.
+    Falloffs (STEPS, 3) are by material, as are the lobes; so are `looks`, which tell how materials are shown
+    by their own images, empty if none is.
     """
 
     bake: Sidecar
@@ -90,12 +91,13 @@ class LayeredSidecar:
     pictures: dict[str, OctahedralPicture]
     distances: int
     nearness: float
-    plane: Plane | None
+    plane: Plane | Shell | None
     lamps: tuple[Lamp, ...]
     falloff: Floats
     materials: tuple[Material, ...]
     through: ThroughCells | None
     looks: tuple[ImageLook | None, ...] = ()
+    things_eye: Floats = field(default_factory=lambda: np.zeros(3, dtype=np.float32))
 
     @classmethod
     def of(cls, atlas: LayeredAtlas, bake: Sidecar) -> LayeredSidecar:
@@ -130,12 +132,13 @@ class LayeredSidecar:
             pictures=pictures,
             distances=0 if things is None else len(things.shape.nearness),  # type: ignore[union-attr]
             nearness=0.0 if things is None else float(things.shape.nearness.mean()),  # type: ignore[union-attr]
-            plane=shape if isinstance(shape, Plane) else None,
+            plane=None if isinstance(shape, Impostor) else shape,
             lamps=atlas.around.lamps,
             falloff=_resampled(atlas.falloff),
             materials=atlas.materials,
             through=None if through is None else ThroughCells(through.ways.shape[2], through.rest.shape[2]),
             looks=atlas.looks,
+            **({} if things is None else {"things_eye": things.shape.eye}),
         )
         maps = [name for name in _MAPS if getattr(atlas, name) is not None]
         sidecar = replace(sidecar, bake=replace(sidecar.bake, layers=sidecar.layers_with(maps)))
@@ -199,8 +202,14 @@ class LayeredSidecar:
                 for name, found in self.pictures.items()
             },
         }
-        if self.plane is not None:
-            plane = self.plane
+        plane = self.plane
+        if isinstance(plane, Shell):
+            planes = zip(plane.normals, plane.heights, strict=True)
+            layered["shell"] = {
+                "planes": [{"normal": _row(normal), "height": _short(height)} for normal, height in planes],
+                "eye": _row(plane.eye),
+            }
+        elif plane is not None:
             layered["plane"] = {
                 "normal": _row(plane.normal),
                 "height": _short(plane.height),
@@ -208,6 +217,8 @@ class LayeredSidecar:
             }
         if self.distances:
             layered["distances"] = {"size": self.distances, "nearness": _short(self.nearness)}
+            if self.things_eye.any():
+                layered["distances"]["eye"] = _row(self.things_eye)
         layered["lamps"] = [
             {
                 "place": _row(lamp.place),
@@ -248,7 +259,6 @@ class LayeredSidecar:
         pictures = layered.inner("pictures")
         found = {name: _picture_in(pictures.inner(name)) for name in PICTURES if name in pictures.values}
         through = layered.inner("through") if "through" in layered.values else None
-        plane = layered.inner("plane") if PLANE in found else None
         distances = layered.inner("distances") if THINGS in found else None
         materials = _objects(layered, "materials", MOST_MATERIALS)
         sidecar = cls(
@@ -262,9 +272,7 @@ class LayeredSidecar:
             pictures=found,
             distances=0 if distances is None else distances.whole_number("size", 2, _LARGEST),
             nearness=0.0 if distances is None else distances.positive("nearness"),
-            plane=None
-            if plane is None
-            else Plane(_vector(plane, "normal"), plane.number("height"), _vector(plane, "eye")),
+            plane=_plane_in(layered) if PLANE in found else None,
             lamps=tuple(
                 Lamp(_vector(lamp, "place"), _vector(lamp, "irradiance"), lamp.positive("variance"))
                 for lamp in _objects(layered, "lamps", _MOST_LAMPS)
@@ -277,6 +285,8 @@ class LayeredSidecar:
                 through.whole_number("exit_cells", 2, 256), through.whole_number("rest_cells", 2, 256)
             ),
         )
+        if distances is not None and "eye" in distances.values:
+            sidecar = replace(sidecar, things_eye=_vector(distances, "eye"))
         looks = tuple(_look(each) for each in materials)
         if any(looks):
             sidecar = replace(sidecar, looks=looks)
@@ -308,9 +318,11 @@ class LayeredSidecar:
             found += [material.weight, np.log(material.variance), material.bend]
         for lamp in self.lamps:
             found += [lamp.place, lamp.irradiance, np.log([lamp.variance])]
-        if self.plane is not None:
+        if isinstance(self.plane, Shell):
+            found += [self.plane.normals, self.plane.heights, self.plane.eye]
+        elif self.plane is not None:
             found += [self.plane.normal, np.array([self.plane.height]), self.plane.eye]
-        return found
+        return [*found, self.things_eye]
 
 
 def _picture(pictures: Pictures) -> OctahedralPicture:
@@ -326,6 +338,19 @@ def _picture_in(facts: Facts) -> OctahedralPicture:
     if found.size % (1 << (found.levels - 1)) or found.size >> (found.levels - 1) < 2:
         raise FormatError(f"{facts.source} has sizes that no picture has: {found.levels} of {found.size}")
     return found
+
+
+def _plane_in(layered: Facts) -> Plane | Shell:
+    """The plane, or the planes of a room."""
+    if "shell" not in layered.values:
+        plane = layered.inner("plane")
+        return Plane(_vector(plane, "normal"), plane.number("height"), _vector(plane, "eye"))
+    shell = layered.inner("shell")
+    planes = _objects(shell, "planes", MOST_PLANES)
+    if len(planes) < 2:
+        raise FormatError(f"{shell.source} has {len(planes)} planes, expected 2 to {MOST_PLANES}")
+    normals = _floats([plane.numbers("normal", 3) for plane in planes])
+    return Shell(normals, _floats([plane.number("height") for plane in planes]), _vector(shell, "eye"))
 
 
 def _material(facts: Facts) -> Material:

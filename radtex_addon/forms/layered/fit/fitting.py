@@ -63,7 +63,12 @@ def fit_layered(
     free = free_share(own.rays, own.hit, grid, CELLS[0][0])
     yield Progress(Stage.FIT, 2, _STEPS)
     if capture.alone is not None:
-        alone = free if own.misled is None else free_share(own.rays, own.meets, grid, CELLS[0][0])
+        if capture.passing:
+            alone = np.ones_like(free)
+        elif own.misled is None:
+            alone = free
+        else:
+            alone = free_share(own.rays, own.meets, grid, CELLS[0][0])
         paths = _open_paths(capture, capture.alone, normal, alone, grid)
         vary = parts.widths and normal_map is None  # normals that vary in a texel would count as roughness
         glossy = mean_colours(capture.material, capture.coarse["glossy"], plan) if parts.tint else None

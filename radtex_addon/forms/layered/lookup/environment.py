@@ -23,6 +23,8 @@ STEPS = 2  # by which a ray finds what it meets in such a map
 _LEAST_RATIO, _MOST_RATIO = 1 / 16, 4.0  # of distances from the fragment and from the middle
 _NARROWER = (-12.0, 2.5, 0.5)  # exponents of 2: by how much the Gaussians that make a lobe are narrower
 _PARALLEL, _STEEPEST = 1e-4, 0.999  # sines of angles to a plane: along it, and straight at it
+MOST_PLANES = 8  # of a shell
+FARTHEST = 1e6  # how far away a ray meets a shell that it leaves
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,26 +134,73 @@ class Plane:
 
 
 @dataclass(frozen=True, eq=False)
-class Impostor:
-    """One over the distance from the middle of what lies in each direction: `nearness` (D, D).
+class Shell:
+    """The large flat things around, such as a room's floor, walls and ceiling, met from inside.
 
+    Inside are the points p, from the middle, with `normals` (n, 3) . p > `heights` (n,), of at most
+    MOST_PLANES planes. `eye` (3,), from the middle and inside: where its picture is seen from. It corrects
+    parallax as games do with boxes: Lagarde and Zanuttini, "Local Image-based Lighting with
+    Parallax-corrected Cubemaps" (2012).
+    """
+
+    normals: Floats
+    heights: Floats
+    eye: Floats
+
+    def meet(self, offset: Floats, axis: Floats, variance: Floats) -> tuple[Floats, Floats, Floats]:
+        """As `Plane.meet`: the nearest of the planes that the axes point at; they take all of each lobe.
+
+        Where there is none, it is met FARTHEST away. Offsets behind a plane count as lying in it.
+        """
+        axis, offset = axis.T, offset.T
+        far, nearest = self._far(offset, axis)
+        met = offset + far * axis - self.eye[:, None]
+        distance = np.maximum(np.linalg.norm(met, axis=0), 1e-6)
+        met = met / distance
+        normal = np.where(far < FARTHEST, self.normals.T[:, nearest], axis)
+        deep, seen = (np.abs((normal * way).sum(axis=0)) for way in (axis, met))
+        slant = seen / np.maximum(deep, _PARALLEL)  # as in `Plane.meet`
+        wider = np.clip((far / distance) ** 2 * slant, _LEAST_RATIO**2, _MOST_RATIO**2)
+        return met.T, wider, np.ones_like(variance)
+
+    def seen_at(self, direction: Floats) -> Floats:
+        """As `Plane.seen_at`."""
+        far, _ = self._far(np.broadcast_to(self.eye[:, None], direction.T.shape), direction.T)
+        return cast(Floats, self.eye + far[:, None] * direction)
+
+    def _far(self, offset: Floats, axis: Floats) -> tuple[Floats, Ints]:
+        """How far along unit axes (3, N) from offsets (3, N) the shell is met, and in which plane, (N,)."""
+        sine = self.normals @ axis
+        above = np.maximum(self.normals @ offset - self.heights[:, None], 0)
+        far = np.where(sine < -_PARALLEL, above / np.maximum(-sine, _PARALLEL), np.float32(FARTHEST))
+        nearest = far.argmin(axis=0)
+        return np.minimum(far.min(axis=0), np.float32(FARTHEST)), nearest
+
+
+@dataclass(frozen=True, eq=False)
+class Impostor:
+    """One over the distance from its `eye` of what lies in each direction: `nearness` (D, D).
+
+    The eye (3,) is given from the middle.
     Szirmay-Kalos et al., "Approximate Ray-Tracing on the GPU with Distance Impostors" (2005).
     """
 
     nearness: Floats
+    eye: Floats = field(default_factory=lambda: np.zeros(3, dtype=np.float32))
 
     @classmethod
-    def of(cls, direction: Floats, distance: Floats) -> Impostor:
+    def of(cls, direction: Floats, distance: Floats, eye: Floats | None = None) -> Impostor:
         """Of things at distances (P,) in unit directions (P, 3), of which there are some."""
         cell = octahedron_cell(direction_to_octahedron(direction.astype(np.float32)), DISTANCES)
         count = np.bincount(cell, minlength=DISTANCES**2)
         mean = np.bincount(cell, 1 / distance, minlength=DISTANCES**2) / np.maximum(count, 1)
         image = mean.astype(np.float32).reshape(DISTANCES, DISTANCES)
-        return cls(dilate(image, nearest_covered((count > 0).reshape(image.shape))))
+        filled = dilate(image, nearest_covered((count > 0).reshape(image.shape)))
+        return cls(filled) if eye is None else cls(filled, eye)
 
     def meet(self, offset: Floats, axis: Floats, variance: Floats) -> tuple[Floats, Floats, Floats]:
         """As `Plane.meet`: the sphere is cut that is as large as what lies in the direction found last."""
-        axis, offset = axis.T, offset.T
+        axis, offset = axis.T, offset.T - self.eye[:, None]
         along = (offset * axis).sum(axis=0)
         squared = (offset * offset).sum(axis=0)
         met, ratio = axis, np.ones_like(along)
@@ -167,7 +216,7 @@ class Impostor:
     def seen_at(self, direction: Floats) -> Floats:
         """As `Plane.seen_at`."""
         near = self._maps.look(direction_to_octahedron(direction).T, 0)[0]
-        return cast(Floats, direction / np.maximum(near, 1e-9)[:, None])
+        return cast(Floats, self.eye + direction / np.maximum(near, 1e-9)[:, None])
 
     @cached_property
     def _maps(self) -> LevelMaps:
@@ -179,7 +228,7 @@ class SurroundingLayer:
     """Things near the object, over nothing: `pictures` of premultiplied radiance and alpha, and a `shape`."""
 
     pictures: Pictures
-    shape: Plane | Impostor
+    shape: Plane | Shell | Impostor
 
     def over(self, light: Floats, offset: Floats, axis: Floats, variance: Floats) -> Floats:
         """`light` (3, N) behind the layer, with the layer before it, seen blurred from offsets."""

@@ -12,7 +12,7 @@ from typing import cast
 import numpy as np
 
 from ....core.arrays import Bools, Floats
-from .environment import Around, Plane
+from .environment import Around
 
 SAME = 0.12  # of a ray's length: ends that are closer to each other are one place
 _SHARP = 1e-9  # a width² that is none
@@ -46,8 +46,7 @@ def light_of(
     light[:, ~known] = 0
     length = np.linalg.norm(place - offset, axis=1)
     for layer in around.layers:
-        eye = layer.shape.eye if isinstance(layer.shape, Plane) else np.zeros(3, dtype=np.float32)
-        away = np.nan_to_num(place - eye)
+        away = np.nan_to_num(place - layer.shape.eye)
         distance = np.maximum(np.linalg.norm(away, axis=1), 1e-9)
         direction = (away / distance[:, None]).astype(np.float32)
         apart = np.linalg.norm(layer.shape.seen_at(direction) - place, axis=1)

@@ -63,6 +63,8 @@ def constants_of(sidecar: LayeredSidecar) -> str:
         "COARSE": sidecar.coarse,
     }
     values |= {f"radtex_{name}": list(size) for name, size in sizes.items()}
+    if "radtex_shell" in values:  # RADTEX_SHELL is how many
+        values["radtex_shell_planes"] = values.pop("radtex_shell")
     for name, value in values.items():
         lines.append(f"#define {name.upper()} {_braces(value)}")
     for name, counted in (

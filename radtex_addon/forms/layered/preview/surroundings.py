@@ -9,11 +9,12 @@ from math import pi
 
 import bpy
 
+from ....core.arrays import Floats
 from ....preview.taps import bilinear, pair, pixel_centre, readable_size
 from ....scene.nodes import NodeBuilder, Socket, close_group, open_group
 from ..files.arrangement import DISTANCES, PLANE, THINGS, WORLD
 from ..files.sidecar import LayeredSidecar, OctahedralPicture
-from ..lookup.environment import STEPS, Lamp, Plane
+from ..lookup.environment import FARTHEST, STEPS, Lamp, Plane, Shell
 from .images import constant, ordered
 
 _LEAST = 1e-12  # width²
@@ -31,10 +32,13 @@ def around_group(
     near = []
     if facts.plane is not None:
         picture = picture_group("Plane", images[PLANE], facts.pictures[PLANE], octahedron)
-        near.append(_over_group("Plane", picture, _plane_group(facts.plane)))
+        shape = _shell_group(facts.plane) if isinstance(facts.plane, Shell) else _plane_group(facts.plane)
+        near.append(_over_group("Plane", picture, shape))
     if THINGS in facts.pictures:
         picture = picture_group("Things", images[THINGS], facts.pictures[THINGS], octahedron)
-        near.append(_over_group("Things", picture, _things_group(images[DISTANCES], octahedron)))
+        near.append(
+            _over_group("Things", picture, _things_group(images[DISTANCES], octahedron, facts.things_eye))
+        )
     lamp = _lamp_group() if facts.lamps else None
     build, (offset, axis, spread) = open_group(
         "RadTex Surroundings", Offset="Vector", Axis="Vector", Spread="Float"
@@ -148,12 +152,61 @@ def _plane_group(plane: Plane) -> bpy.types.ShaderNodeTree:
     return close_group(build, Direction=direction, Wider=wider, Cover=cover)
 
 
-def _things_group(image: bpy.types.Image, octahedron: bpy.types.ShaderNodeTree) -> bpy.types.ShaderNodeTree:
+def _shell_group(shell: Shell) -> bpy.types.ShaderNodeTree:
+    """`Shell.meet`."""
+    plane = _shell_plane_group()
+    build, (offset, axis, _) = open_group(
+        "RadTex Shell Shape", Offset="Vector", Axis="Vector", Spread="Float"
+    )
+    far, normal = build.value(FARTHEST), axis
+    for way, height in zip(shell.normals, shell.heights, strict=True):
+        far, normal = build.group(plane, offset, axis, constant(way), float(height), far, normal)
+    met = build.vector("ADD", offset, build.vector("SCALE", axis, far))
+    met = build.vector("SUBTRACT", met, constant(shell.eye))
+    distance = build.math("MAXIMUM", build.vector("LENGTH", met), 1e-6)
+    direction = build.vector("SCALE", met, build.math("DIVIDE", 1.0, distance))
+    deep = build.math("ABSOLUTE", build.vector("DOT_PRODUCT", normal, axis))
+    seen = build.math("ABSOLUTE", build.vector("DOT_PRODUCT", normal, direction))
+    slant = build.math("DIVIDE", seen, build.math("MAXIMUM", deep, _PARALLEL))
+    share = build.math("DIVIDE", far, distance)
+    wider = build.math("MULTIPLY", build.math("MULTIPLY", share, share), slant)
+    wider = build.math("MINIMUM", build.math("MAXIMUM", wider, _LEAST_RATIO**2), _MOST_RATIO**2)
+    return close_group(build, Direction=direction, Wider=wider, Cover=build.value(1.0))
+
+
+def _shell_plane_group() -> bpy.types.ShaderNodeTree:
+    """The nearer of what is Far along a ray, in a plane of some Normal, and one more plane of a shell."""
+    build, (offset, axis, way, height, far, normal) = open_group(
+        "RadTex Shell Plane",
+        Offset="Vector",
+        Axis="Vector",
+        Way="Vector",
+        Height="Float",
+        Far="Float",
+        Normal="Vector",
+    )
+    sine = build.math("MULTIPLY", build.vector("DOT_PRODUCT", axis, way), -1.0)
+    above = build.math("SUBTRACT", build.vector("DOT_PRODUCT", offset, way), height)
+    reach = build.math("DIVIDE", build.math("MAXIMUM", above, 0.0), build.math("MAXIMUM", sine, _PARALLEL))
+    towards = build.math("GREATER_THAN", sine, _PARALLEL)
+    nearer = build.math("MULTIPLY", towards, build.math("LESS_THAN", reach, far))
+    return close_group(
+        build,
+        Far=build.mix(nearer, far, reach, "FLOAT"),
+        Normal=build.mix(nearer, normal, way, "VECTOR"),
+    )
+
+
+def _things_group(
+    image: bpy.types.Image, octahedron: bpy.types.ShaderNodeTree, eye: Floats
+) -> bpy.types.ShaderNodeTree:
     """`Impostor.meet`; of the spread only when it is known matters, see `images.ordered`."""
     nearness = _nearness_group(image, octahedron)
     build, (offset, axis, spread) = open_group(
         "RadTex Things Shape", Offset="Vector", Axis="Vector", Spread="Float"
     )
+    if eye.any():
+        offset = build.vector("SUBTRACT", offset, constant(eye))
     along = ordered(build, build.vector("DOT_PRODUCT", offset, axis), (spread,))
     squared = build.vector("DOT_PRODUCT", offset, offset)
     beyond = build.math("SUBTRACT", build.math("MULTIPLY", along, along), squared)

@@ -21,15 +21,16 @@ const LAYERS := ["colour", "irradiance", "tint", "normal", "width", "alpha", "ow
 const DEFINES := {
 	"RADTEX_TINT": [1, 1], "RADTEX_NORMAL": [1, 1], "RADTEX_WIDTH": [1, 1], "RADTEX_ALPHA": [1, 1],
 	"RADTEX_PLANE": [1, 1], "RADTEX_THINGS": [1, 1], "RADTEX_MIRRORS": [1, 1], "RADTEX_GLOSSES": [1, 1], "RADTEX_THROUGH": [1, 1],
-	"RADTEX_SRGB": [1, 1], "RADTEX_LAMPS": [0, 8], "RADTEX_STEPS": [0, 2], "RADTEX_SECOND_LOBE": [0, 1],
+	"RADTEX_SRGB": [1, 1], "RADTEX_LAMPS": [0, 8], "RADTEX_SHELL": [2, 8], "RADTEX_STEPS": [0, 2], "RADTEX_SECOND_LOBE": [0, 1],
 	"RADTEX_OWN_TAPS": [3, 4], "RADTEX_REST_TAPS": [3, 4], "RADTEX_EXIT_TAPS": [4, 16],
 	"RADTEX_OWN_CELLS": [1, 64], "RADTEX_REST_CELLS": [1, 64], "RADTEX_EXIT_CELLS": [1, 64], "RADTEX_THROUGH_CELLS": [1, 64],
 }
 ## Its uniforms of one vector, but for those that each layer has; and its arrays, with their lengths, for each material.
 const VECTORS := ["radtex_middle", "radtex_own_tile", "radtex_rest_tile", "radtex_exit_tile", "radtex_through_rest_tile",
 	"radtex_world_levels", "radtex_plane_levels", "radtex_things_levels", "radtex_distances_size", "radtex_plane_place",
-	"radtex_plane_eye"]
-const LAMPS := ["radtex_lamp_place", "radtex_lamp_light"]  ## Of as many vectors as there are lamps.
+	"radtex_plane_eye", "radtex_things_eye"]
+## Of as many vectors as there are lamps, or planes of a room.
+const COUNTED := {"radtex_lamp_place": "RADTEX_LAMPS", "radtex_lamp_light": "RADTEX_LAMPS", "radtex_shell": "RADTEX_SHELL"}
 const OF_IMAGES := "radtex_images"  ## Of materials that are shown by their own images.
 const OF_MATERIAL := {"radtex_material": 16, "radtex_lobes": 32, "radtex_gloss": 1, OF_IMAGES: 3}
 const MOST_PIXELS := 16384
@@ -187,10 +188,10 @@ func _check_shader(shader: Dictionary, textures: Dictionary) -> void:
 	if problem.is_empty():
 		for layer: Variant in layers:
 			_expect(layer is String and layer in LAYERS and textures.has(layer), "layers", layer, "layers that have a texture")
-	var lamps: int = int(defines.get("RADTEX_LAMPS", 0)) if problem.is_empty() else 0
 	var values := _inner(shader, "values")
 	for name: String in values:
-		_check_value(name, values[name], lamps if name in LAMPS else 0, name in LAMPS or name in VECTORS or _is_range(name))
+		var rows: int = int(defines.get(COUNTED.get(name, ""), 0)) if problem.is_empty() else 0
+		_check_value(name, values[name], rows, name in COUNTED or name in VECTORS or _is_range(name))
 	var materials: Variant = shader.get("materials")
 	var count: int = materials.size() if materials is Array else 0
 	_expect(count in range(1, MOST_MATERIALS + 1), "materials", count, "1 to %d" % MOST_MATERIALS)

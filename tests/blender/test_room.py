@@ -1,0 +1,161 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Rooms: their planes, what stands in them, and what bakes of their floors and walls mirror."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+import pytest
+
+from radtex_addon.bake.progress import finished
+from radtex_addon.forms.layered.capture.capturing import capture_layered
+from radtex_addon.forms.layered.capture.room import Room, find_room
+from radtex_addon.forms.layered.files.layered_files import read_layered_sidecar
+from radtex_addon.forms.layered.lookup.environment import Shell
+from radtex_addon.forms.layered.samples import LayeredSamples
+from radtex_addon.job import bake_object
+from radtex_addon.prepare.prepared import prepare
+from radtex_addon.scene.objects import find_object
+from radtex_addon.scene.scratch import scratch_scene
+from radtex_addon.settings.spec import BakeSpec, Layout
+from tests.blender import stage
+
+pytestmark = [pytest.mark.one_blender, pytest.mark.usefixtures("temporary")]
+context: Any = bpy.context  # to the stubs, every pointer may be None
+
+SIZE = np.array([5.0, 4.0, 2.7])
+SIDES = ("WallW", "WallE", "WallS", "WallN", "Floor", "Ceiling")
+SPEC = BakeSpec(layout=Layout.LAYERED, texels=32, samples=1, half=False)
+
+
+def box(name: str, low: Any, high: Any, colour: tuple[float, float, float], roughness: float = 0.9) -> Any:
+    bpy.ops.mesh.primitive_cube_add(size=1, location=((np.array(low) + high) / 2).tolist())
+    item = context.object
+    item.name, item.scale = name, (np.array(high) - low).tolist()
+    shiny = stage.material(
+        name, "ShaderNodeBsdfPrincipled", **{"Base Color": (*colour, 1), "Roughness": roughness}
+    )
+    item.data.materials.append(shiny)
+    return item
+
+
+@pytest.fixture
+def room(empty_file: None) -> None:
+    """Six thick walls, the western one glowing, a cupboard before the south, and a picture in the east."""
+    for number, name in enumerate(SIDES):
+        low, high = np.full(3, -0.2), SIZE + 0.2
+        axis, far = divmod(number, 2)
+        if axis == 2:
+            far = number - 4
+        (low if far else high)[axis] = SIZE[axis] if far else 0
+        side = box(name, low, high, (0.6, 0.6, 0.6), 0.1 if name == "Floor" else 0.9)
+        if name == "WallW":
+            side.data.materials[0] = stage.material("Glow", "ShaderNodeEmission", Strength=2.0)
+    box("Cupboard", (1.5, 0.1, 0), (2.5, 0.7, 1.8), (0.2, 0.6, 0.2))
+    box("Picture", (4.97, 1, 1), (5, 2, 1.8), (0.8, 0.1, 0.1))
+    stage.world((0.0, 0.0, 5.0))
+
+
+def found(*names: str) -> Room | None:
+    """The room around some objects, from all over the inside of whose boxes rays start."""
+    rng = np.random.default_rng(2)
+    points, facets = [], []
+    for name in names:
+        corners = np.array(
+            [bpy.data.objects[name].matrix_world @ v.co for v in bpy.data.objects[name].data.vertices]
+        )
+        low, high = corners.min(axis=0), corners.max(axis=0)
+        at = rng.uniform(low, high, (400, 3))
+        normal = np.zeros_like(at)
+        for row in range(len(at)):
+            axis, far = rng.integers(3), rng.integers(2)
+            at[row, axis], normal[row, axis] = (high if far else low)[axis], 2 * far - 1
+        points.append(at)
+        facets.append(normal)
+    with scratch_scene(context.scene) as scratch:
+        items = [find_object(scratch, name) for name in names]
+        return find_room(scratch, items, np.concatenate(points), np.concatenate(facets), 0)
+
+
+@pytest.mark.parametrize("names", [("Floor",), ("Cupboard",), (*SIDES, "Cupboard", "Picture")])
+def test_a_room_is_found_from_all_that_is_in_it(room: None, names: tuple[str, ...]) -> None:
+    there = found(*names)
+    assert there is not None
+    order = np.lexsort(np.round(there.normals.T))
+    planes = np.column_stack([there.normals, there.heights])[order]
+    expected = np.column_stack([np.concatenate([np.eye(3), -np.eye(3)]), [0, 0, 0, *-SIZE]])
+    np.testing.assert_allclose(planes, expected[np.lexsort(np.round(expected[:, :3].T))], atol=0.03)
+    assert {item.name for item in there.furniture} == {"Cupboard"}, "a picture lies on its wall"
+    assert ((there.eye > 0.5) & (there.eye < SIZE - 0.5)).all()
+    assert there.holds(np.array([[1.0, 1.0, 1.0], [1.0, 1.0, 3.5]])).tolist() == [True, False]
+    assert (there.furniture_eye is None) == (names == ("Cupboard",))
+
+
+def test_things_in_the_open_stand_in_no_room(room: None) -> None:
+    for name in SIDES[:4]:
+        bpy.data.objects.remove(bpy.data.objects[name])
+    bpy.data.objects.remove(bpy.data.objects["Ceiling"])
+    assert found("Cupboard") is None
+
+
+def captured(folder: Path, *names: str) -> LayeredSamples:
+    folder.mkdir()
+    kept: list[bpy.types.ID] = []
+    with scratch_scene(context.scene, None, kept) as scratch:
+        items = [find_object(scratch, name) for name in names]
+        prepared = finished(prepare(scratch, items, SPEC, kept, backs=False))
+        return finished(capture_layered(scratch, prepared, SPEC, folder)).capture
+
+
+def test_what_walls_show_each_other_is_in_the_picture_of_the_room(room: None, tmp_path: Path) -> None:
+    """Its rays leave the baked walls free; and lobes are found, though nothing can leave the room."""
+    sample = captured(tmp_path / "capture", *SIDES)
+    shell = sample.around.layers[0].shape
+    assert isinstance(shell, Shell)
+    inside = _inside(sample)
+    assert sample.own.hit[inside].mean() < 0.15
+    axis = np.array([[-1, 0, 0], [1, 0, 0]], np.float32)
+    offset = np.tile(SIZE / 2, (2, 1)).astype(np.float32) - sample.around.middle
+    glowing, dark = sample.around.look(offset, axis, np.full(2, 1e-4, np.float32)).T
+    np.testing.assert_allclose(glowing, 2, rtol=0.02)
+    assert dark.max() < 1.5
+    assert sample.alone is not None
+    assert np.isfinite(sample.alone.mirrored_weight).all()
+    assert (sample.alone.mirrored_weight[inside].max(axis=(1, 2)) > 0.02).mean() > 0.9
+
+
+def _inside(sample: LayeredSamples) -> Any:
+    points = sample.light.plan.points
+    return ((points > -0.01) & (points < SIZE + 0.01)).all(axis=1)
+
+
+def test_a_lamp_in_the_room_is_mirrored_and_the_sun_outside_is_not(room: None, tmp_path: Path) -> None:
+    kinds: Any = (("SUN", (0, 0, 9), 5.0), ("POINT", (2.5, 2, 2), 50.0))
+    for kind, place, power in kinds:
+        data: Any = bpy.data.lights.new(kind, kind)
+        data.energy = power
+        item = bpy.data.objects.new(kind, data)
+        item.location = place
+        context.scene.collection.objects.link(item)
+    sample = captured(tmp_path / "capture", *SIDES)
+    (lamp,) = sample.around.lamps
+    np.testing.assert_allclose(lamp.place + sample.around.middle, (2.5, 2, 2), atol=0.05)
+
+
+def test_more_light_goes_on_in_the_same_room(room: None, out: Path) -> None:
+    spec = BakeSpec(layout=Layout.LAYERED, texels=24, samples=1, objects=SIDES)
+    first = bake_object(context.scene, "Room", spec, out).files.sidecar
+    planes = _planes(first)
+    more = BakeSpec(layout=Layout.LAYERED, texels=24, samples=1, objects=SIDES, accumulate=True)
+    assert _planes(bake_object(context.scene, "Room", more, out).files.sidecar) == planes
+    assert len(planes) == 6
+
+
+def _planes(path: Path) -> list[Any]:
+    plane = read_layered_sidecar(path).plane
+    assert isinstance(plane, Shell)
+    return [*map(tuple, plane.normals.tolist())]
