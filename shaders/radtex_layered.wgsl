@@ -25,6 +25,7 @@ override RADTEX_ALPHA: bool = false;
 override RADTEX_PLANE: bool = false;
 override RADTEX_THINGS: bool = false;   // and their distances
 override RADTEX_SHELL: i32 = 0;         // how many planes of a room the plane layer shows, or 0
+override RADTEX_BOXES: i32 = 0;         // how many boxes things lie in there, or 0
 override RADTEX_LAMPS: i32 = 0;         // how many, 0 to 8
 override RADTEX_OWN_CELLS: i32 = 14;    // cells along the sides of buckets
 override RADTEX_REST_CELLS: i32 = 8;
@@ -57,8 +58,10 @@ struct RadtexBake {
     plane_eye: vec4f,     // where its picture was taken from, and how high above the plane that is
     things_eye: vec4f,    // xyz: where the picture of things was taken from, from the middle
     shell: array<vec4f, 8>,  // the normals and heights of a room's planes
+    box_low: array<vec4f, 8>,  // xyz: the lowest corners of boxes that things lie in, from the middle
+    box_high: array<vec4f, 8>,  // xyz: the highest corners
     lamp_place: array<vec4f, 8>,  // from the middle, and width²
-    lamp_light: array<vec4f, 8>,  // rgb: irradiance at the middle
+    lamp_light: array<vec4f, 8>,  // rgb: irradiance at the middle; a: 1 if layers hide it
 }
 
 struct RadtexMaterial {
@@ -205,40 +208,42 @@ fn radtex_picture(image: texture_2d<f32>, range: vec4f, levels: vec4f, d: vec3f,
 }
 
 // What a lobe of that width² shows of a lamp.
-fn radtex_lamp(place: vec4f, light: vec4f, whence: vec3f, ray: vec3f, width: f32) -> vec3f {
+fn radtex_lamp(place: vec4f, light: vec4f, whence: vec3f, ray: vec3f, width: f32, free: f32) -> vec3f {
     let towards = place.xyz - whence;
     let squared = dot(towards, towards);
     let nearer = dot(place.xyz, place.xyz) / squared;
     let wide = width + place.w * nearer;
     let off = wide + 1.0 - dot(ray, towards) * inverseSqrt(squared);
-    return light.rgb * (nearer * (1.0 + 0.5 * wide) * wide / (6.2831853 * off * off));
+    let open = select(1.0, free, light.w > 0.5);
+    return light.rgb * (open * nearer * (1.0 + 0.5 * wide) * wide / (6.2831853 * off * off));
 }
 
-fn radtex_lamps(whence: vec3f, ray: vec3f, width: f32) -> vec3f {
+// `free`: how much is open to what lies behind the layers.
+fn radtex_lamps(whence: vec3f, ray: vec3f, width: f32, free: f32) -> vec3f {
     var light = vec3f(0.0, 0.0, 0.0);
     if RADTEX_LAMPS > 0 {
-        light += radtex_lamp(radtex.lamp_place[0], radtex.lamp_light[0], whence, ray, width);
+        light += radtex_lamp(radtex.lamp_place[0], radtex.lamp_light[0], whence, ray, width, free);
     }
     if RADTEX_LAMPS > 1 {
-        light += radtex_lamp(radtex.lamp_place[1], radtex.lamp_light[1], whence, ray, width);
+        light += radtex_lamp(radtex.lamp_place[1], radtex.lamp_light[1], whence, ray, width, free);
     }
     if RADTEX_LAMPS > 2 {
-        light += radtex_lamp(radtex.lamp_place[2], radtex.lamp_light[2], whence, ray, width);
+        light += radtex_lamp(radtex.lamp_place[2], radtex.lamp_light[2], whence, ray, width, free);
     }
     if RADTEX_LAMPS > 3 {
-        light += radtex_lamp(radtex.lamp_place[3], radtex.lamp_light[3], whence, ray, width);
+        light += radtex_lamp(radtex.lamp_place[3], radtex.lamp_light[3], whence, ray, width, free);
     }
     if RADTEX_LAMPS > 4 {
-        light += radtex_lamp(radtex.lamp_place[4], radtex.lamp_light[4], whence, ray, width);
+        light += radtex_lamp(radtex.lamp_place[4], radtex.lamp_light[4], whence, ray, width, free);
     }
     if RADTEX_LAMPS > 5 {
-        light += radtex_lamp(radtex.lamp_place[5], radtex.lamp_light[5], whence, ray, width);
+        light += radtex_lamp(radtex.lamp_place[5], radtex.lamp_light[5], whence, ray, width, free);
     }
     if RADTEX_LAMPS > 6 {
-        light += radtex_lamp(radtex.lamp_place[6], radtex.lamp_light[6], whence, ray, width);
+        light += radtex_lamp(radtex.lamp_place[6], radtex.lamp_light[6], whence, ray, width, free);
     }
     if RADTEX_LAMPS > 7 {
-        light += radtex_lamp(radtex.lamp_place[7], radtex.lamp_light[7], whence, ray, width);
+        light += radtex_lamp(radtex.lamp_place[7], radtex.lamp_light[7], whence, ray, width, free);
     }
     return light;
 }
@@ -262,23 +267,25 @@ fn radtex_below(whence: vec3f, ray: vec3f, spread: f32) -> vec4f {
     return found * (0.5 - 0.5 * sine * root);
 }
 
-// What a lobe shows of a room's planes, met from inside: the nearest one that the ray points at.
-fn radtex_walls(whence: vec3f, ray: vec3f, spread: f32) -> vec4f {
-    var N = ray;
-    var far = 1e6;
+// Which of a room's planes a ray meets from inside, the nearest that it points at: its normal, and how far that is.
+fn radtex_wall(whence: vec3f, ray: vec3f) -> vec4f {
+    var found = vec4f(ray, 1e6);
     for (var k = 0; k < RADTEX_SHELL; k++) {
         let plane = radtex.shell[k];
         let sine = -dot(ray, plane.xyz);
         let reach = max(dot(whence, plane.xyz) - plane.w, 0.0) / max(sine, 1e-4);
-        if sine > 1e-4 && reach < far {
-            far = reach;
-            N = plane.xyz;
-        }
+        if sine > 1e-4 && reach < found.w { found = vec4f(plane.xyz, reach); }
     }
-    let met = whence + far * ray - radtex.plane_eye.xyz;
+    return found;
+}
+
+// What a lobe shows of a room's planes.
+fn radtex_walls(whence: vec3f, ray: vec3f, spread: f32) -> vec4f {
+    let wall = radtex_wall(whence, ray);
+    let met = whence + wall.w * ray - radtex.plane_eye.xyz;
     let nearness = inverseSqrt(max(dot(met, met), 1e-12));
-    let along = far * nearness;
-    var wider = along * along * nearness * abs(dot(N, met)) / max(abs(dot(N, ray)), 1e-4);
+    let along = wall.w * nearness;
+    var wider = along * along * nearness * abs(dot(wall.xyz, met)) / max(abs(dot(wall.xyz, ray)), 1e-4);
     wider = clamp(wider, 0.00390625, 16.0);
     return radtex_picture(radtex_plane_map, radtex.plane_range, radtex.plane_levels, met, spread + log2(wider));
 }
@@ -296,6 +303,32 @@ fn radtex_distance(d: vec3f) -> f32 {
         / max(textureSampleLevel(radtex_distances_map, radtex_filtering, place, 0.0).r * range.z + range.w, 1e-9);
 }
 
+// The nearest box that a ray comes to: how far away the ray begins to look for things, and enters and leaves the box;
+// and how far away a wall is, where it does all that if it comes to none. From within, it begins where it leaves.
+fn radtex_span(whence: vec3f, ray: vec3f) -> vec4f {
+    let wall = radtex_wall(whence, ray).w;
+    var span = vec4f(wall, wall, wall, wall);
+    let slow = vec3f(select(ray.x, 1e-7, abs(ray.x) < 1e-7), select(ray.y, 1e-7, abs(ray.y) < 1e-7),
+        select(ray.z, 1e-7, abs(ray.z) < 1e-7));
+    for (var k = 0; k < RADTEX_BOXES; k++) {
+        let one = (radtex.box_low[k].xyz - whence) / slow;
+        let other = (radtex.box_high[k].xyz - whence) / slow;
+        let near = min(one, other);
+        let far = max(one, other);
+        let first = max(near.x, max(near.y, near.z));
+        let last = min(far.x, min(far.y, far.z));
+        let start = select(last, first, first > 0.0);
+        if first <= last && last > 0.0 && start < span.x { span = vec4f(start, max(first, 0.0), last, wall); }
+    }
+    return span;
+}
+
+// How far along the unit ray things are that are seen at a distance: in the box, or else at the wall.
+fn radtex_reached(along: f32, squared: f32, distance: f32, span: vec4f) -> f32 {
+    let reach = radtex_reach(along, squared, distance);
+    return select(clamp(reach, span.y, span.z), span.w, reach > span.z + 0.12 * distance);
+}
+
 // Where a ray meets things, from their eye, and log2 of how much a lobe's width² is larger as seen from there.
 fn radtex_met(whence: vec3f, ray: vec3f) -> vec4f {
     if RADTEX_THINGS {
@@ -304,17 +337,31 @@ fn radtex_met(whence: vec3f, ray: vec3f) -> vec4f {
         let along = dot(offset, ray);
         let squared = dot(offset, offset);
         var reach: f32;
-        if RADTEX_STEPS < 2 {  // begin on a sphere
-            reach = radtex_reach(along, squared, radtex.distances_size.y);
+        if RADTEX_BOXES > 0 {
+            let span = radtex_span(whence, ray);
+            reach = span.x;
             met = offset + reach * ray;
-        }
-        if RADTEX_STEPS > 0 {
-            reach = radtex_reach(along, squared, radtex_distance(met));
-            met = offset + reach * ray;
-        }
-        if RADTEX_STEPS > 1 {
-            reach = radtex_reach(along, squared, radtex_distance(met));
-            met = offset + reach * ray;
+            if RADTEX_STEPS > 0 {
+                reach = radtex_reached(along, squared, radtex_distance(met), span);
+                met = offset + reach * ray;
+            }
+            if RADTEX_STEPS > 1 {
+                reach = radtex_reached(along, squared, radtex_distance(met), span);
+                met = offset + reach * ray;
+            }
+        } else {
+            if RADTEX_STEPS < 2 {  // begin on a sphere
+                reach = radtex_reach(along, squared, radtex.distances_size.y);
+                met = offset + reach * ray;
+            }
+            if RADTEX_STEPS > 0 {
+                reach = radtex_reach(along, squared, radtex_distance(met));
+                met = offset + reach * ray;
+            }
+            if RADTEX_STEPS > 1 {
+                reach = radtex_reach(along, squared, radtex_distance(met));
+                met = offset + reach * ray;
+            }
         }
         return vec4f(met, 2.0 * log2(clamp(reach * inverseSqrt(max(dot(met, met), 1e-12)), 0.0625, 4.0)));
     } else {
@@ -328,6 +375,7 @@ fn radtex_shown(whence: vec3f, ray: vec3f, met: vec4f, spread: f32) -> vec3f {
     var light = radtex_blurred(radtex_world_map, radtex.world_levels, ray, spread).rgb * radtex.world_range.z
         + radtex.world_range.w;
     var before: vec4f;
+    var free = 1.0;
     if RADTEX_PLANE {
         if RADTEX_SHELL > 0 {
             before = radtex_walls(whence, ray, spread);
@@ -335,12 +383,14 @@ fn radtex_shown(whence: vec3f, ray: vec3f, met: vec4f, spread: f32) -> vec3f {
             before = radtex_below(whence, ray, spread);
         }
         light = light * (1.0 - before.a) + before.rgb;
+        free *= 1.0 - before.a;
     }
     if RADTEX_THINGS {
         before = radtex_picture(radtex_things_map, radtex.things_range, radtex.things_levels, met.xyz, spread + met.w);
         light = light * (1.0 - before.a) + before.rgb;
+        free *= 1.0 - before.a;
     }
-    return light + radtex_lamps(whence, ray, exp2(spread));
+    return light + radtex_lamps(whence, ray, exp2(spread), free);
 }
 
 // What the object shows of itself in the direction that lies at a place on the square, and how much it leaves free.

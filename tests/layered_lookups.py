@@ -239,8 +239,12 @@ def in_a_room(atlas: LayeredAtlas) -> LayeredAtlas:
     normals = normalised(sides + 0.1 * rng.normal(size=sides.shape)).astype(np.float32)
     eye = np.array([0.3, -0.2, 0.4], dtype=np.float32)
     shell = Shell(normals, rng.uniform(-2.5, -1.4, len(normals)).astype(np.float32), eye)
-    layers = replace(plane, shape=shell), replace(things, shape=replace(things.shape, eye=-eye))
-    return replace(atlas, around=replace(atlas.around, layers=layers))
+    low = rng.uniform(-1.2, 0.3, (8, 3))
+    boxes = np.stack([low, low + rng.uniform(0.2, 1.2, (8, 3))], axis=1).astype(np.float32)
+    furniture = replace(things.shape, eye=-eye, boxes=boxes, shell=shell)
+    layers = replace(plane, shape=shell), replace(things, shape=furniture)
+    lamps = (replace(atlas.around.lamps[0], behind=True), *atlas.around.lamps)
+    return replace(atlas, around=replace(atlas.around, layers=layers, lamps=lamps))
 
 
 CASES: dict[str, Callable[[LayeredAtlas], LayeredAtlas]] = {

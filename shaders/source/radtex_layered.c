@@ -46,7 +46,8 @@
 @else
 // What the bake has. RADTEX_MIRRORS: any of its materials has lobes. RADTEX_TINT, RADTEX_NORMAL, RADTEX_WIDTH,
 // RADTEX_ALPHA, RADTEX_PLANE, RADTEX_THINGS (with distances): these layers. RADTEX_LAMPS: how many, 0 to 8.
-// RADTEX_SHELL: how many planes of a room the plane layer shows, 2 to 8; 0 if it is a single one.
+// RADTEX_SHELL: how many planes of a room the plane layer shows, 2 to 8; 0 if it is a single one. RADTEX_BOXES: how many
+// boxes things lie in there, 1 to 8; else 0.
 // RADTEX_GLOSSES: how much a material mirrors follows from its tint and its width.
 @end
 @in glsl hlsl godot
@@ -123,6 +124,9 @@ precision highp sampler2D;
 #endif
 #ifndef RADTEX_SHELL
 #define RADTEX_SHELL 0
+#endif
+#ifndef RADTEX_BOXES
+#define RADTEX_BOXES 0
 #endif
 #ifndef RADTEX_STEPS
 #define RADTEX_STEPS 1
@@ -212,10 +216,14 @@ uniform sampler2D radtex_distances_map;
 uniform vec4 radtex_things_range, radtex_things_levels, radtex_distances_range;
 uniform vec4 radtex_distances_size;  // texels along a side, and the mean distance
 uniform vec4 radtex_things_eye;      // xyz: where their picture was taken from, from the middle
+#if RADTEX_BOXES > 0
+uniform vec4 radtex_box_low[RADTEX_BOXES];   // xyz: the lowest corners of boxes that things lie in, from the middle
+uniform vec4 radtex_box_high[RADTEX_BOXES];  // xyz: the highest corners
+#endif
 #endif
 #if RADTEX_LAMPS > 0
 uniform vec4 radtex_lamp_place[RADTEX_LAMPS];  // from the middle, and width²
-uniform vec4 radtex_lamp_light[RADTEX_LAMPS];  // rgb: irradiance at the middle
+uniform vec4 radtex_lamp_light[RADTEX_LAMPS];  // rgb: irradiance at the middle; a: 1 if layers hide it
 #endif
 #endif
 @end
@@ -279,8 +287,10 @@ cbuffer RadtexBake RADTEX_BUFFER(0) {
     float4 radtex_plane_eye;     // where its picture was taken from, and how high above the plane that is
     float4 radtex_things_eye;    // xyz: where the picture of things was taken from, from the middle
     float4 radtex_shell[8];      // the normals and heights of a room's planes
+    float4 radtex_box_low[8];    // xyz: the lowest corners of boxes that things lie in, from the middle
+    float4 radtex_box_high[8];   // xyz: the highest corners
     float4 radtex_lamp_place[8];  // from the middle, and width²
-    float4 radtex_lamp_light[8];  // rgb: irradiance at the middle
+    float4 radtex_lamp_light[8];  // rgb: irradiance at the middle; a: 1 if layers hide it
 };
 
 cbuffer RadtexMaterial RADTEX_BUFFER(1) {
@@ -316,6 +326,7 @@ override RADTEX_ALPHA: bool = false;
 override RADTEX_PLANE: bool = false;
 override RADTEX_THINGS: bool = false;   // and their distances
 override RADTEX_SHELL: i32 = 0;         // how many planes of a room the plane layer shows, or 0
+override RADTEX_BOXES: i32 = 0;         // how many boxes things lie in there, or 0
 override RADTEX_LAMPS: i32 = 0;         // how many, 0 to 8
 override RADTEX_OWN_CELLS: i32 = 14;    // cells along the sides of buckets
 override RADTEX_REST_CELLS: i32 = 8;
@@ -348,8 +359,10 @@ struct RadtexBake {
     plane_eye: vec4f,     // where its picture was taken from, and how high above the plane that is
     things_eye: vec4f,    // xyz: where the picture of things was taken from, from the middle
     shell: array<vec4f, 8>,  // the normals and heights of a room's planes
+    box_low: array<vec4f, 8>,  // xyz: the lowest corners of boxes that things lie in, from the middle
+    box_high: array<vec4f, 8>,  // xyz: the highest corners
     lamp_place: array<vec4f, 8>,  // from the middle, and width²
-    lamp_light: array<vec4f, 8>,  // rgb: irradiance at the middle
+    lamp_light: array<vec4f, 8>,  // rgb: irradiance at the middle; a: 1 if layers hide it
 }
 
 struct RadtexMaterial {
@@ -528,40 +541,42 @@ vec4 radtex_picture(sampler2D image, vec4 range, vec4 levels, vec3 d, float spre
 
 #if RADTEX_LAMPS > 0
 // What a lobe of that width² shows of a lamp.
-vec3 radtex_lamp(vec4 place, vec4 light, vec3 from, vec3 ray, float width) {
+vec3 radtex_lamp(vec4 place, vec4 light, vec3 from, vec3 ray, float width, float free) {
     vec3 towards = place.xyz - from;
     float squared = dot(towards, towards), nearer = dot(place.xyz, place.xyz) / squared;
     float wide = width + place.w * nearer;
     float off = wide + 1.0 - dot(ray, towards) * inversesqrt(squared);
-    return light.rgb * (nearer * (1.0 + 0.5 * wide) * wide / (6.2831853 * off * off));
+    float open = light.w > 0.5 ? free : 1.0;
+    return light.rgb * (open * nearer * (1.0 + 0.5 * wide) * wide / (6.2831853 * off * off));
 }
 #endif
 
-vec3 radtex_lamps(vec3 from, vec3 ray, float width) {
+// `free`: how much is open to what lies behind the layers.
+vec3 radtex_lamps(vec3 from, vec3 ray, float width, float free) {
     vec3 light = vec3(0.0, 0.0, 0.0);
 #if RADTEX_LAMPS > 0
-    light += radtex_lamp(radtex_lamp_place[0], radtex_lamp_light[0], from, ray, width);
+    light += radtex_lamp(radtex_lamp_place[0], radtex_lamp_light[0], from, ray, width, free);
 #endif
 #if RADTEX_LAMPS > 1
-    light += radtex_lamp(radtex_lamp_place[1], radtex_lamp_light[1], from, ray, width);
+    light += radtex_lamp(radtex_lamp_place[1], radtex_lamp_light[1], from, ray, width, free);
 #endif
 #if RADTEX_LAMPS > 2
-    light += radtex_lamp(radtex_lamp_place[2], radtex_lamp_light[2], from, ray, width);
+    light += radtex_lamp(radtex_lamp_place[2], radtex_lamp_light[2], from, ray, width, free);
 #endif
 #if RADTEX_LAMPS > 3
-    light += radtex_lamp(radtex_lamp_place[3], radtex_lamp_light[3], from, ray, width);
+    light += radtex_lamp(radtex_lamp_place[3], radtex_lamp_light[3], from, ray, width, free);
 #endif
 #if RADTEX_LAMPS > 4
-    light += radtex_lamp(radtex_lamp_place[4], radtex_lamp_light[4], from, ray, width);
+    light += radtex_lamp(radtex_lamp_place[4], radtex_lamp_light[4], from, ray, width, free);
 #endif
 #if RADTEX_LAMPS > 5
-    light += radtex_lamp(radtex_lamp_place[5], radtex_lamp_light[5], from, ray, width);
+    light += radtex_lamp(radtex_lamp_place[5], radtex_lamp_light[5], from, ray, width, free);
 #endif
 #if RADTEX_LAMPS > 6
-    light += radtex_lamp(radtex_lamp_place[6], radtex_lamp_light[6], from, ray, width);
+    light += radtex_lamp(radtex_lamp_place[6], radtex_lamp_light[6], from, ray, width, free);
 #endif
 #if RADTEX_LAMPS > 7
-    light += radtex_lamp(radtex_lamp_place[7], radtex_lamp_light[7], from, ray, width);
+    light += radtex_lamp(radtex_lamp_place[7], radtex_lamp_light[7], from, ray, width, free);
 #endif
     return light;
 }
@@ -584,22 +599,24 @@ vec4 radtex_below(vec3 from, vec3 ray, float spread) {
 }
 
 #if RADTEX_SHELL > 0
-// What a lobe shows of a room's planes, met from inside: the nearest one that the ray points at.
-vec4 radtex_walls(vec3 from, vec3 ray, float spread) {
-    vec3 N = ray;
-    float far = 1e6;
+// Which of a room's planes a ray meets from inside, the nearest that it points at: its normal, and how far that is.
+vec4 radtex_wall(vec3 from, vec3 ray) {
+    vec4 found = vec4(ray, 1e6);
     [unroll] for (int k = 0; k < RADTEX_SHELL; k++) {
         vec4 plane = radtex_shell[k];
         float sine = -dot(ray, plane.xyz);
         float reach = max(dot(from, plane.xyz) - plane.w, 0.0) / max(sine, 1e-4);
-        if (sine > 1e-4 && reach < far) {
-            far = reach;
-            N = plane.xyz;
-        }
+        if (sine > 1e-4 && reach < found.w) found = vec4(plane.xyz, reach);
     }
-    vec3 met = from + far * ray - radtex_plane_eye.xyz;
-    float nearness = inversesqrt(max(dot(met, met), 1e-12)), along = far * nearness;
-    float wider = along * along * nearness * abs(dot(N, met)) / max(abs(dot(N, ray)), 1e-4);
+    return found;
+}
+
+// What a lobe shows of a room's planes.
+vec4 radtex_walls(vec3 from, vec3 ray, float spread) {
+    vec4 wall = radtex_wall(from, ray);
+    vec3 met = from + wall.w * ray - radtex_plane_eye.xyz;
+    float nearness = inversesqrt(max(dot(met, met), 1e-12)), along = wall.w * nearness;
+    float wider = along * along * nearness * abs(dot(wall.xyz, met)) / max(abs(dot(wall.xyz, ray)), 1e-4);
     wider = clamp(wider, 0.00390625, 16.0);
     return radtex_picture(radtex_plane_map, radtex_plane_range, radtex_plane_levels, met, spread + log2(wider));
 }
@@ -620,11 +637,48 @@ float radtex_distance(vec3 d) {
 }
 #endif
 
+#if RADTEX_BOXES > 0
+// The nearest box that a ray comes to: how far away the ray begins to look for things, and enters and leaves the box;
+// and how far away a wall is, where it does all that if it comes to none. From within, it begins where it leaves.
+vec4 radtex_span(vec3 from, vec3 ray) {
+    float wall = radtex_wall(from, ray).w;
+    vec4 span = vec4(wall, wall, wall, wall);
+    vec3 slow = vec3(abs(ray.x) < 1e-7 ? 1e-7 : ray.x, abs(ray.y) < 1e-7 ? 1e-7 : ray.y, abs(ray.z) < 1e-7 ? 1e-7 : ray.z);
+    [unroll] for (int k = 0; k < RADTEX_BOXES; k++) {
+        vec3 one = (radtex_box_low[k].xyz - from) / slow, other = (radtex_box_high[k].xyz - from) / slow;
+        vec3 near = min(one, other), far = max(one, other);
+        float first = max(near.x, max(near.y, near.z)), last = min(far.x, min(far.y, far.z));
+        float start = first > 0.0 ? first : last;
+        if (first <= last && last > 0.0 && start < span.x) span = vec4(start, max(first, 0.0), last, wall);
+    }
+    return span;
+}
+
+// How far along the unit ray things are that are seen at a distance: in the box, or else at the wall.
+float radtex_reached(float along, float squared, float distance, vec4 span) {
+    float reach = radtex_reach(along, squared, distance);
+    return reach > span.z + 0.12 * distance ? span.w : clamp(reach, span.y, span.z);
+}
+#endif
+
 // Where a ray meets things, from their eye, and log2 of how much a lobe's width² is larger as seen from there.
 vec4 radtex_met(vec3 from, vec3 ray) {
 #ifdef RADTEX_THINGS
     vec3 offset = from - radtex_things_eye.xyz, met = ray;
     float along = dot(offset, ray), squared = dot(offset, offset), reach;
+#if RADTEX_BOXES > 0
+    vec4 span = radtex_span(from, ray);
+    reach = span.x;
+    met = offset + reach * ray;
+#if RADTEX_STEPS > 0
+    reach = radtex_reached(along, squared, radtex_distance(met), span);
+    met = offset + reach * ray;
+#endif
+#if RADTEX_STEPS > 1
+    reach = radtex_reached(along, squared, radtex_distance(met), span);
+    met = offset + reach * ray;
+#endif
+#else
 #if RADTEX_STEPS < 2  // begin on a sphere
     reach = radtex_reach(along, squared, radtex_distances_size.y);
     met = offset + reach * ray;
@@ -636,6 +690,7 @@ vec4 radtex_met(vec3 from, vec3 ray) {
 #if RADTEX_STEPS > 1
     reach = radtex_reach(along, squared, radtex_distance(met));
     met = offset + reach * ray;
+#endif
 #endif
     return vec4(met, 2.0 * log2(clamp(reach * inversesqrt(max(dot(met, met), 1e-12)), 0.0625, 4.0)));
 #else
@@ -649,6 +704,7 @@ vec3 radtex_shown(vec3 from, vec3 ray, vec4 met, float spread) {
     vec3 light = radtex_blurred(radtex_world_map, radtex_world_levels, ray, spread).rgb * radtex_world_range.z
         + radtex_world_range.w;
     vec4 before;
+    float free = 1.0;
 #ifdef RADTEX_PLANE
 #if RADTEX_SHELL > 0
     before = radtex_walls(from, ray, spread);
@@ -656,12 +712,14 @@ vec3 radtex_shown(vec3 from, vec3 ray, vec4 met, float spread) {
     before = radtex_below(from, ray, spread);
 #endif
     light = light * (1.0 - before.a) + before.rgb;
+    free *= 1.0 - before.a;
 #endif
 #ifdef RADTEX_THINGS
     before = radtex_picture(radtex_things_map, radtex_things_range, radtex_things_levels, met.xyz, spread + met.w);
     light = light * (1.0 - before.a) + before.rgb;
+    free *= 1.0 - before.a;
 #endif
-    return light + radtex_lamps(from, ray, exp2(spread));
+    return light + radtex_lamps(from, ray, exp2(spread), free);
 }
 #endif
 

@@ -375,7 +375,7 @@ def hidden(place: tuple[float, float, float], receiver: Any, item: Any = None) -
     direction /= np.linalg.norm(direction, axis=1, keepdims=True)
     asked = [HideableLamp(item, np.array(place, float), 0.1)]
     with scratch_scene(context.scene) as scratch:
-        return bool(hidden_lamps(scratch, [receiver], MIDDLE + direction, direction, asked)[0])
+        return bool(hidden_lamps(scratch, [receiver], MIDDLE + direction, direction, asked)[0] > 0.5)
 
 
 def test_a_lamp_behind_a_wall_is_hidden_and_one_before_it_is_not() -> None:

@@ -40,6 +40,7 @@ LAYERED = """#version 450
 #define RADTEX_PLANE 1
 #define RADTEX_THINGS 1
 #define RADTEX_SHELL 6
+#define RADTEX_BOXES 4
 #define RADTEX_LAMPS 2
 #define RADTEX_OWN_CELLS 14
 #define RADTEX_REST_CELLS 8
@@ -49,7 +50,8 @@ layout(set = 0, binding = 0) uniform Bake {
     vec4 radtex_alpha_range, radtex_width_range, radtex_own_range, radtex_own_tile, radtex_middle;
     vec4 radtex_world_range, radtex_world_levels, radtex_plane_range, radtex_plane_levels;
     vec4 radtex_plane_place, radtex_plane_eye, radtex_things_range, radtex_things_levels;
-    vec4 radtex_distances_range, radtex_distances_size, radtex_things_eye, radtex_shell[6];
+    vec4 radtex_distances_range, radtex_distances_size, radtex_things_eye, radtex_shell[6],
+    radtex_box_low[4], radtex_box_high[4];
 };
 layout(set = 0, binding = 1) uniform sampler2D radtex_colour_map;
 layout(set = 0, binding = 2) uniform sampler2D radtex_irradiance_map;

@@ -40,7 +40,7 @@ from .files.arrangement import (
     padded_size,
 )
 from .files.sidecar import LayeredSidecar
-from .lookup.environment import MOST_LAMPS, MOST_PLANES, Plane, Shell
+from .lookup.environment import MOST_BOXES, MOST_LAMPS, MOST_PLANES, Plane, Shell
 from .lookup.images import ROWS
 from .lookup.lobes import STEPS, Material
 
@@ -101,6 +101,8 @@ BAKE_BUFFER = {
     "radtex_plane_eye": 1,
     "radtex_things_eye": 1,
     "radtex_shell": MOST_PLANES,
+    "radtex_box_low": MOST_BOXES,
+    "radtex_box_high": MOST_BOXES,
     "radtex_lamp_place": MOST_LAMPS,
     "radtex_lamp_light": MOST_LAMPS,
 }
@@ -178,6 +180,8 @@ def definitions(sidecar: LayeredSidecar, cost: LookupCost = DEFAULT) -> dict[str
     found |= {"RADTEX_LAMPS": lamps, "RADTEX_REST_CELLS": sidecar.rest_cells}
     if PLANE in layers and isinstance(sidecar.plane, Shell):
         found["RADTEX_SHELL"] = len(sidecar.plane.heights)
+    if THINGS in layers and len(sidecar.boxes):
+        found["RADTEX_BOXES"] = len(sidecar.boxes)
     found |= {"RADTEX_STEPS": cost.steps, "RADTEX_REST_TAPS": cost.rest_taps}
     if _mirrors(sidecar):
         found |= {"RADTEX_MIRRORS": 1, "RADTEX_OWN_CELLS": sidecar.own_cells}
@@ -215,15 +219,25 @@ def bake_values(sidecar: LayeredSidecar, stored: Mapping[str, Stored], cost: Loo
         if sidecar.lamps:
             lamps = sidecar.lamps
             values["radtex_lamp_place"] = [_row([*lamp.place, lamp.variance]) for lamp in lamps]
-            values["radtex_lamp_light"] = [_row([*lamp.irradiance, 0]) for lamp in lamps]
+            values["radtex_lamp_light"] = [_row([*lamp.irradiance, lamp.behind]) for lamp in lamps]
     if THINGS in layers:
         mean = stored[DISTANCES].mean if DISTANCES in stored else 0.0
         if mean <= 0:
             raise ValueError("distances: expected the mean of the texture's values")
-        values["radtex_distances_size"] = _row([sidecar.distances, 1 / mean, 0, 0])
-        values["radtex_things_eye"] = _row([*sidecar.things_eye, 0])
+        values |= _things_values(sidecar, mean)
     if PLANE in layers and sidecar.plane is not None:
         values |= _plane_values(sidecar.plane)
+    return values
+
+
+def _things_values(sidecar: LayeredSidecar, mean: float) -> Values:
+    values: Values = {
+        "radtex_distances_size": _row([sidecar.distances, 1 / mean, 0, 0]),
+        "radtex_things_eye": _row([*sidecar.things_eye, 0]),
+    }
+    if len(sidecar.boxes):
+        low, high = np.pad(sidecar.boxes, ((0, 0), (0, 0), (0, 1))).swapaxes(0, 1).astype(np.float64)
+        values |= {"radtex_box_low": _rows(low), "radtex_box_high": _rows(high)}
     return values
 
 

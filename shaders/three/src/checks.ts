@@ -29,13 +29,14 @@ const DEFINES = new Map<string, Range>([
   ...["OWN_CELLS", "REST_CELLS", "EXIT_CELLS", "THROUGH_CELLS"].map((name): [string, Range] => [`RADTEX_${name}`, [1, 64]]),
   ["RADTEX_LAMPS", [0, 8]],
   ["RADTEX_SHELL", [2, 8]],
+  ["RADTEX_BOXES", [1, 8]],
   ["RADTEX_STEPS", [0, 2]],
   ["RADTEX_SECOND_LOBE", [0, 1]],
   ["RADTEX_OWN_TAPS", [3, 4]],
   ["RADTEX_REST_TAPS", [3, 4]],
   ["RADTEX_EXIT_TAPS", [4, 16]],
 ]);
-// Its uniforms of one vector; those of as many as there are lamps, or planes of a room; and those of each material, with their lengths.
+// Its uniforms of one vector; those of as many as there are lamps, planes or boxes; and those of each material, with their lengths.
 const VECTORS = new Set([
   ...LAYERS.map((layer) => `radtex_${layer}_range`),
   ...["middle", "own_tile", "rest_tile", "exit_tile", "through_rest_tile", "world_levels", "plane_levels"].map(
@@ -47,6 +48,8 @@ const COUNTED = new Map([
   ["radtex_lamp_place", "RADTEX_LAMPS"],
   ["radtex_lamp_light", "RADTEX_LAMPS"],
   ["radtex_shell", "RADTEX_SHELL"],
+  ["radtex_box_low", "RADTEX_BOXES"],
+  ["radtex_box_high", "RADTEX_BOXES"],
 ]);
 const OF_IMAGES = "radtex_images"; // of some materials alone
 const OF_MATERIAL = new Map([

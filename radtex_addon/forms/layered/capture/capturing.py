@@ -220,7 +220,7 @@ class _Captures:
         baked = [body.original for body in self.bodies]
         facet = plan.facet.reshape(-1, 3)[: len(plan.texel)]
         found = find_room(self.scratch, baked, plan.points, facet, self.spec.seed)
-        return found, found is not None and found.encloses(baked)
+        return found, found is not None and bool(found.shown)
 
     def _ends(self, plan: CapturePlan, middle: Floats, passing: bool) -> EndSamples:
         """Paths through the object; `passing` it if they would meet it after it has mirrored them."""
@@ -331,8 +331,7 @@ class _Captures:
         def capture() -> Arrays:
             seed, folder, unseen = self.spec.seed, self.folder, (*self.bodies, *inside)
             if room is not None:
-                hidden = room.hidden([body.original for body in unseen])
-                unseen = tuple(body for body in unseen if body.original in hidden)
+                unseen = tuple(body for body in unseen if body.original not in room.shown)
             found = find_misled(self.scratch, unseen, around, own.hit, plan, most, seed, folder)
             return {} if found is None else vars(found)
 

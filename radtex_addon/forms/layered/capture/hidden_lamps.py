@@ -66,8 +66,8 @@ def hidden_lamps(
     points: Floats,
     normals: Floats,
     lamps: Sequence[HideableLamp],
-) -> Bools:
-    """Whether each of some `lamps` is hidden from most points that face it: (L,).
+) -> Floats:
+    """From which share of the points that face it each of some `lamps` is hidden: (L,), 0 if none faces it.
 
     `points` (P, 3) and their unit `normals` (P, 3) are in world space. The `subjects` hide nothing here, nor
     does what lets light through, what shadow rays do not see, or what a lamp's shadows or shadow linking
@@ -88,7 +88,8 @@ def hidden_lamps(
             met = trees[between.shape].ray_cast(Vector(start[ray]), Vector(along[ray] / length), length)
             blocked[ray] = met[0] is not None
     every = np.bincount(sights.lamp, minlength=len(lamps))
-    return np.bincount(sights.lamp, blocked, minlength=len(lamps)) > every / 2
+    found: Floats = np.bincount(sights.lamp, blocked, minlength=len(lamps)) / np.maximum(every, 1)
+    return found
 
 
 @dataclass(frozen=True, eq=False)

@@ -45,6 +45,7 @@ _CELLS = 4.0  # that a lamp's radius covers in it, at least
 _CORNER = math.sqrt(2)  # times half a lamp's side: how far its corners are from its middle
 _BORDER = 4  # cells beside a lamp that are traced, too
 _FAR = 1e4  # where a sun is
+_THROUGH_WINDOWS = 0.98  # most of a room's points that a lamp outside may be hidden from
 _NEAREST = 1e-4  # to the middle
 _BESIDE = 1.5  # times a lamp's radius: nearer to it than that, the middle does not see it from outside
 
@@ -131,21 +132,26 @@ def find_lamps(
 ) -> tuple[Lamp, ...]:
     """The lamps of a scratch scene, which is spent, that its baked `receivers` mirror, from `middle` (3,).
 
-    Those that are hidden from most of the `plan`'s points are none; of a `room` only points inside count, and
-    the receivers hide lamps, too, as its walls do a sun. One that the middle lies in is left out, and named
-    in a warning. Of more than shaders mirror, those that give most light are taken; the others' highlights
-    are in what is left of the light, as blurs. Raises BakeError where Cycles fails.
+    Those that are hidden from most of the `plan`'s points are none. In a `room` only points inside count,
+    and baked walls hide lamps, too; one that is outside need be seen from few, and is mirrored where the
+    walls are open. One that the middle lies in is left out, and named in a warning. Of more than shaders
+    mirror, those that give most light are taken; the others' highlights are in what is left of the light, as
+    blurs. Raises BakeError where Cycles fails.
     """
     lamps = [lamp for lamp in lamps_shown(scene, receivers) if _is_apart(lamp, middle)]
     targets = [HideableLamp(lamp.item, middle + lamp.towards(middle), lamp.diameter / 2) for lamp in lamps]
+    if not lamps:
+        return ()
     points, normals = plan.points, plan.normal.reshape(-1, 3)[: len(plan.texel)]
-    inside = np.ones(len(points), dtype=bool) if room is None else room.holds(points)
-    if lamps and inside.any():
-        between = receivers if room is None else room.hidden(receivers)
-        hidden = hidden_lamps(scene, between, points[inside], normals[inside], targets)
-    else:
-        hidden = np.zeros(len(lamps), dtype=bool)
-    lamps = [lamp for lamp, is_hidden in zip(lamps, hidden, strict=True) if not is_hidden]
+    between, behind = set(receivers), [False] * len(lamps)
+    if room is not None:
+        inside = room.holds(points)
+        points, normals = points[inside], normals[inside]
+        between -= room.shown
+        behind = [not room.holds(target.place[None])[0] for target in targets]
+    hidden = hidden_lamps(scene, between, points, normals, targets)
+    kept = np.flatnonzero(hidden <= np.where(behind, _THROUGH_WINDOWS, 0.5))
+    lamps, behind = [lamps[number] for number in kept], [behind[number] for number in kept]
     if not lamps:
         return ()
     anchor = cast(bpy.types.Object, bpy.data.objects.new("RadTex anchor", None))
@@ -163,7 +169,7 @@ def find_lamps(
     radiance = np.zeros((len(direction), 3), dtype=np.float32)
     radiance[some] = np.concatenate(found)
     towards = [lamp.towards(middle) for lamp in lamps]
-    return brightest(lamps_of(direction, radiance, towards, shares))
+    return brightest(lamps_of(direction, radiance, towards, shares, behind))
 
 
 def brightest(lamps: Sequence[Lamp]) -> tuple[Lamp, ...]:

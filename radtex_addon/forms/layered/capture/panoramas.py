@@ -8,7 +8,7 @@ import logging
 import math
 from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, cast
 
@@ -71,7 +71,7 @@ def near_things(
     where it is seen from an eye of the room. What lies nowhere is left out with a warning. Raises BakeError
     where Blender does not render.
     """
-    hidden = frozenset(subjects) if room is None else room.hidden(subjects)
+    hidden = frozenset(subjects) if room is None else frozenset(subjects) - room.shown
     there = read_render(scene, lambda shown: _owners(shown, hidden))
     finite = {owner: found for owner, found in there.items() if found.is_somewhere}
     for owner in there.keys() - finite.keys():
@@ -221,7 +221,11 @@ def look_around(
                 layer = _plane_layer(camera, near_width, plane, size)
             else:
                 eye = None if room is None else room.furniture_eye
-                layer = _impostor_layer(camera, near_width, middle, eye, size)
+                found = _impostor(camera, near_width, middle, eye, size)
+                if found is not None and room is not None:
+                    boxes, shell = room.boxes_of(things.objects, middle), room.shell(middle)
+                    found = found[0], replace(found[1], boxes=boxes, shell=shell)
+                layer = None if found is None else SurroundingLayer(*found)
             if layer is not None:
                 layers.append(layer)
     return Panoramas(world, tuple(layers), distant.paths + camera.paths)
@@ -248,9 +252,9 @@ def _shell_layer(
     return SurroundingLayer(Pictures.of(camera.directions(width), light, size), shell)
 
 
-def _impostor_layer(
+def _impostor(
     camera: _Camera, width: int, middle: Floats, eye: Floats | None, size: int
-) -> SurroundingLayer | None:
+) -> tuple[Pictures, Impostor] | None:
     """The picture of all that is seen, and how far away it is; None if nothing is.
 
     It is seen from the middle, or from an `eye` (3,) in a room.
@@ -271,7 +275,7 @@ def _impostor_layer(
     seen = camera.render(width, samples, rows, columns, denoise=True)
     light[rows, columns] = seen["Combined"]
     shape = Impostor.of(direction[solid], distance[solid], place - middle)
-    return SurroundingLayer(Pictures.of(direction, light, size), shape)
+    return Pictures.of(direction, light, size), shape
 
 
 def _around(some: Ints, count: int) -> slice:

@@ -19,10 +19,12 @@ from mathutils.bvhtree import BVHTree
 
 from ....core.arrays import Bools, Floats, Ints
 from ....core.frame import normalised
+from ....core.octahedron import cell_directions
 from ....scene.mesh.mesh_checks import FARTHEST
 from ....scene.mesh.render_contents import Shown, read_render
 from ....scene.mesh.triangle_tree import triangle_tree
-from ..lookup.environment import MOST_PLANES, Shell
+from ..lookup.environment import MOST_BOXES, MOST_PLANES, Impostor, Shell
+from ..lookup.ray_ends import SAME
 
 _RAYS = 3000  # that leave the baked objects
 _BOUNCES = 3
@@ -35,10 +37,11 @@ _LEAST = 0.015  # share of the hits that a plane needs
 _BEHIND = 0.06  # most hits behind a plane of the room, such as what is seen through windows
 _ENCLOSED = 0.5  # share of the hits that must lie on the planes
 _ON_PLANES = 0.5  # share of an object's area on planes or beyond, from which on it belongs to them
+_BACKS = 0.4  # share of the rays' length: if less than that ends at backs, these are the insides of things
+_DIRECTIONS = 32  # along a side of the octahedron, in which planes are looked for
 _OFF = 2e-6  # of the scene's size, by which rays start off surfaces
 _USUAL = (2, 98)  # percentiles of where rays end, which the size of a room is told by
 _CLEAR = 0.03  # of the room's size, from an eye to the nearest thing
-_SEEN = 0.02  # of a distance: what is hit so near before a place does not hide it
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +50,10 @@ class Room:
 
     `eye` (3,): inside, whence they are seen. What is no more than `thin` before a plane lies on it.
     `furniture`: the owners of what stands inside and is not on a plane; all other things belong to the
-    planes' picture. `furniture_eye` (3,): whence furniture is seen, None: from the baked objects' middle.
+    planes' picture. `shown`: the baked objects that are in the pictures, too: all, if some are part of the
+    room itself, such as its floor, and none, if they are furniture alone. `furniture_eye` (3,): whence
+    furniture is seen, None: from the objects' middle. `boxes`: the lowest and highest corner (2, 3) of each
+    piece of furniture.
     """
 
     normals: Floats
@@ -55,15 +61,20 @@ class Room:
     eye: Floats
     thin: float
     furniture: frozenset[bpy.types.Object]
+    shown: frozenset[bpy.types.Object]
     furniture_eye: Floats | None
+    boxes: dict[bpy.types.Object, Floats]
 
-    def hidden(self, subjects: Collection[bpy.types.Object]) -> frozenset[bpy.types.Object]:
-        """Those of the baked `subjects` that no picture shows: furniture that is seen from its middle."""
-        return frozenset(subjects) & self.furniture if self.furniture_eye is None else frozenset()
-
-    def encloses(self, subjects: Collection[bpy.types.Object]) -> bool:
-        """Whether any of the baked `subjects` is part of the room itself, such as its floor."""
-        return not self.furniture.issuperset(subjects)
+    def boxes_of(self, some: Collection[bpy.types.Object], middle: Floats) -> Floats:
+        """Boxes (n, 2, 3) from the middle (3,) around furniture, at most MOST_BOXES: near ones share one."""
+        boxes: list[Floats] = [
+            self.boxes[owner] - middle for owner in sorted(some, key=lambda owner: owner.name)
+        ]
+        while len(boxes) > MOST_BOXES:
+            pairs = [(first, second) for second in range(len(boxes)) for first in range(second)]
+            first, second = min(pairs, key=lambda pair: _more_area(boxes[pair[0]], boxes[pair[1]]))
+            boxes[first] = _joined(boxes[first], boxes.pop(second))
+        return np.array(boxes, dtype=np.float32).reshape(-1, 2, 3)
 
     def holds(self, points: Floats) -> Bools:
         """Which points (P, 3) in world space lie in the room, or on its planes, (P,)."""
@@ -104,10 +115,14 @@ def find_room(
     furniture = frozenset(owner for owner, share in on_planes.items() if share < _ON_PLANES)
     inside = hits.place[_before(hits.place, normals, heights, -thin).all(axis=0)]
     eye = _middle_of(inside, normals, heights)
-    room = Room(normals, heights, eye, thin, furniture, None)
-    if not room.encloses(subjects):
-        return room
-    return replace(room, furniture_eye=_best_eye(things, furniture, hits, eye, inside))
+    seen = _seen_from(eye, normals, heights)  # others lie behind, such as a wall's outside
+    normals, heights = normals[seen], heights[seen]
+    boxes = {owner: things.box(owner) for owner in furniture}
+    shown = frozenset[bpy.types.Object]() if furniture.issuperset(subjects) else frozenset(subjects)
+    room = Room(normals, heights, eye, thin, furniture, shown, None, boxes)
+    own = None if shown else (points.min(axis=0) + points.max(axis=0)) / 2
+    seen_furniture = furniture if shown else furniture.difference(subjects)
+    return replace(room, furniture_eye=_best_eye(room, things, hits, seen_furniture, own))
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,6 +137,11 @@ class _Things:
     def size(self) -> float:
         """The longest side of their box."""
         return float(np.ptp(self.corners.reshape(-1, 3), axis=0).max())
+
+    def box(self, owner: bpy.types.Object) -> Floats:
+        """The lowest and the highest corner (2, 3) of what an owner shows."""
+        corners = self.corners[self.owner == self.owners.index(owner)].reshape(-1, 3)
+        return np.array([corners.min(axis=0), corners.max(axis=0)])
 
     def tree(self, some: Bools) -> BVHTree:
         """Of some triangles (F,)."""
@@ -155,7 +175,8 @@ def _things_of(shown: Iterator[Shown]) -> _Things | None:
         if total > _MOST_TRIANGLES:
             return None
         place = shape.position @ one.matrix[:3, :3].T + one.matrix[:3, 3]
-        corners.append(place[shape.triangles])
+        flipped = np.linalg.det(one.matrix[:3, :3]) < 0
+        corners.append(place[shape.triangles[:, ::-1] if flipped else shape.triangles])
         owner.append(np.full(len(shape.triangles), owners.setdefault(one.owner, len(owners))))
     if not corners:
         return None
@@ -164,15 +185,22 @@ def _things_of(shown: Iterator[Shown]) -> _Things | None:
 
 @dataclass(frozen=True, eq=False)
 class _Hits:
-    """Where rays end: the `place` (P, 3), its unit `normal` (P, 3) that faces the ray, the `triangle` (P,).
+    """Rays that end somewhere: `start`, `place` that they hit, `normal` there that faces them, (P, 3) each.
 
-    The first `first` of them are of rays that leave the baked objects.
+    `triangle` (P,): which they hit; `weight` (P,): their lengths over the sum, so that what is inside walls
+    counts little. The first `first` of them leave the baked objects.
     """
 
+    start: Floats
     place: Floats
     normal: Floats
     triangle: Ints
+    weight: Floats
     first: int
+
+    def share(self, some: Bools) -> float:
+        """The weight of some of them, (P,)."""
+        return float(self.weight[some].sum())
 
 
 def _explore(things: _Things, points: Floats, facets: Floats, random: np.random.Generator) -> _Hits:
@@ -183,52 +211,56 @@ def _explore(things: _Things, points: Floats, facets: Floats, random: np.random.
     found = []
     for _ in range(_BOUNCES):
         way = normalised(normal + 0.999 * normalised(random.normal(size=normal.shape)))
-        start = place + _OFF * things.size * normal
-        place, normal, triangle = _cast(tree, start, way)
-        found.append((place, normal, triangle))
+        found.append(_cast(tree, place + _OFF * things.size * normal, way))
+        _, place, normal, *_ = found[-1]
         if not len(place):
             break
-    parts = [np.concatenate(each) for each in zip(*found, strict=True)]
-    return _Hits(parts[0], parts[1], parts[2], len(found[0][0]))
+    start, place, normal, triangle, length, back = (np.concatenate(each) for each in zip(*found, strict=True))
+    kept = ~back if length[back].sum() < _BACKS * length.sum() else np.ones_like(back)  # or all is inside out
+    length = np.where(kept, length, 0)
+    weight = length[kept] / max(length.sum(), 1e-30)
+    first = int(kept[: len(found[0][0])].sum())
+    return _Hits(start[kept], place[kept], normal[kept], triangle[kept], weight, first)
 
 
-def _cast(tree: BVHTree, start: Floats, way: Floats) -> tuple[Floats, Floats, Ints]:
-    """Of the rays that hit: the places, the normals that face the rays, and the triangles."""
+def _cast(tree: BVHTree, start: Floats, way: Floats) -> tuple[Floats, Floats, Floats, Ints, Floats, Bools]:
+    """Of rays that hit: starts, places, normals that face them, triangles, lengths, whether at a back."""
     cast: Any = tree.ray_cast
     found = [
         cast(Vector(place), Vector(along)) for place, along in zip(start.tolist(), way.tolist(), strict=True)
     ]
     hit = np.array([one[0] is not None for one in found], dtype=bool)
     met = [one for one in found if one[0] is not None]
-    place = np.array([one[0] for one in met], dtype=np.float64).reshape(-1, 3)
-    normal = np.array([one[1] for one in met], dtype=np.float64).reshape(-1, 3)
-    normal *= -np.sign((normal * way[hit]).sum(axis=1, keepdims=True) + 1e-30)
-    return place, normal, np.array([one[2] for one in met], dtype=np.int64)
+    place, normal = (np.array([one[k] for one in met], dtype=np.float64).reshape(-1, 3) for k in (0, 1))
+    back = (normal * way[hit]).sum(axis=1) > 0
+    normal[back] *= -1
+    triangle = np.array([one[2] for one in met], dtype=np.int64)
+    return start[hit], place, normal, triangle, np.array([one[3] for one in met], dtype=np.float64), back
 
 
 def _planes(hits: _Hits, thin: float) -> tuple[Floats, Floats] | None:
     """Normals (n, 3) and heights (n,) of the planes around the hits, the largest first; None if none are."""
-    place, normal = hits.place, hits.normal
-    left = np.ones(len(place), dtype=bool)
-    on_any = np.zeros(len(place), dtype=bool)
+    left = np.ones(len(hits.place), dtype=bool)
+    on_any = np.zeros_like(left)
     normals: list[Floats] = []
     heights: list[float] = []
     while len(normals) < MOST_PLANES and left.any():
-        on, way, height = _largest_plane(place, normal, left, thin)
-        if on.sum() < _LEAST * len(place):
+        on, way, height = _largest_plane(hits, left, thin)
+        if hits.share(on) < _LEAST:
             break
         left &= ~on
-        if (place @ way - height < -thin).mean() < _BEHIND:
+        if hits.share(hits.place @ way - height < -thin) < _BEHIND:
             normals.append(way)
             heights.append(height)
-            on_any |= np.abs(place @ way - height) < thin
-    if len(normals) < _FEWEST_PLANES or on_any.mean() < _ENCLOSED:
+            on_any |= np.abs(hits.place @ way - height) < thin
+    if len(normals) < _FEWEST_PLANES or hits.share(on_any) < _ENCLOSED:
         return None
     return np.array(normals), np.array(heights)
 
 
-def _largest_plane(place: Floats, normal: Floats, left: Bools, thin: float) -> tuple[Bools, Floats, float]:
+def _largest_plane(hits: _Hits, left: Bools, thin: float) -> tuple[Bools, Floats, float]:
     """Of the hits that are `left`, those on the plane that has most (P,), its unit normal and its height."""
+    place, normal = hits.place, hits.normal
     rest = np.flatnonzero(left)
     tried = rest[np.linspace(0, len(rest) - 1, min(_TRIED, len(rest))).astype(np.intp)]
 
@@ -236,10 +268,34 @@ def _largest_plane(place: Floats, normal: Floats, left: Bools, thin: float) -> t
         found: Bools = left & (normal @ way > _TURNED) & (np.abs(place @ way - height) < thin / 2)
         return found
 
-    best = max((lying_on(normal[one], float(place[one] @ normal[one])) for one in tried), key=np.sum)
+    best = max((lying_on(normal[one], float(place[one] @ normal[one])) for one in tried), key=hits.share)
     way = normalised(normal[best].mean(axis=0))
     height = float(np.median(place[best] @ way))
     return lying_on(way, height), way, height
+
+
+def _joined(one: Floats, other: Floats) -> Floats:
+    """The box (2, 3) around two."""
+    return np.array([np.minimum(one[0], other[0]), np.maximum(one[1], other[1])])
+
+
+def _more_area(one: Floats, other: Floats) -> float:
+    """By how much the surface of the box around two is larger than theirs."""
+    return _area(_joined(one, other)) - _area(one) - _area(other)
+
+
+def _area(box: Floats) -> float:
+    x, y, z = box[1] - box[0]
+    return float(x * y + y * z + z * x)
+
+
+def _seen_from(eye: Floats, normals: Floats, heights: Floats) -> Bools:
+    """Which planes are met first in some direction from an eye, (n,)."""
+    sine = normals @ cell_directions(_DIRECTIONS).T
+    above = (normals @ eye - heights)[:, None]
+    far = np.where(sine < 0, above / np.maximum(-sine, 1e-9), np.inf)
+    found: Bools = np.bincount(far.argmin(axis=0), minlength=len(normals)) > 0
+    return found
 
 
 def _before(place: Floats, normals: Floats, heights: Floats, least: float) -> Bools:
@@ -260,37 +316,53 @@ def _middle_of(inside: Floats, normals: Floats, heights: Floats) -> Floats:
 
 
 def _best_eye(
-    things: _Things,
-    furniture: frozenset[bpy.types.Object],
-    hits: _Hits,
-    middle: Floats,
-    inside: Floats,
+    room: Room, things: _Things, hits: _Hits, seen: frozenset[bpy.types.Object], own: Floats | None
 ) -> Floats | None:
-    """The eye that sees most of the furniture that rays from the baked objects hit; None if they hit none.
+    """The eye (3,) from which the furniture that is `seen` is met best, by rays that leave the baked objects.
 
-    Tried are the room's `middle` (3,) and places a quarter in from the corners of what is hit `inside` (P,
-    3).
+    None: from their middle. Tried are the room's eye, places a quarter in from its corners, and the objects'
+    `own` middle (3,), if it may be.
     """
-    some = np.array([owner in furniture for owner in things.owners])[things.owner]
-    first = np.arange(len(hits.place)) < hits.first
-    seen = hits.place[first & some[hits.triangle]]
-    if not len(seen):
+    some = np.array([owner in seen for owner in things.owners])[things.owner]
+    if not some.any():
         return None
-    tree, quarter = things.tree(some), np.ptp(inside, axis=0) / 4
-    clear = _CLEAR * 4 * float(quarter.max())
-    signs = [(0, 0, 0), *((x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (0, 1))]
-    eyes = [middle + np.array(sign) * quarter for sign in signs]
+    tree, first = things.tree(some), slice(hits.first)
+    middle, (low, high) = room.eye, np.percentile(hits.place, _USUAL, axis=0)
+    boxes, shell = room.boxes_of(seen, middle), room.shell(middle)
+    length = np.linalg.norm(hits.place[first] - hits.start[first], axis=1)
+    offset = (hits.start[first] - middle).astype(np.float32)
+    axis = normalised(hits.place[first] - hits.start[first]).astype(np.float32)
+    none = np.zeros(len(axis), dtype=np.float32)
+    on_shell = shell.seen_at(shell.meet(offset, axis, none)[0].astype(np.float32)) + middle
 
-    def shown(eye: Floats) -> float:
+    def right(eye: Floats) -> float:
+        """The share of the rays that would be shown the right place."""
         nearest: Any = tree.find_nearest(Vector(eye.tolist()))
-        if nearest[3] is not None and nearest[3] < clear:
+        if nearest[3] < _CLEAR * float((high - low).max()) and eye is not own:
             return -1.0
-        away = seen - eye
-        distance = np.linalg.norm(away, axis=1)
-        cast: Any = tree.ray_cast
-        ways = (away / distance[:, None]).tolist()
-        met = [cast(Vector(eye.tolist()), Vector(way))[3] for way in ways]
-        reached = np.array([np.inf if one is None else one for one in met])
-        return float((reached > (1 - _SEEN) * distance - _OFF * things.size).mean())
+        direction = cell_directions(_DIRECTIONS)
+        far = _distances(tree, eye, direction)
+        solid = np.isfinite(far)
+        if not solid.any():
+            return 0.0
+        place = (eye - middle).astype(np.float32)
+        impostor = Impostor.of(direction[solid].astype(np.float32), far[solid], place)
+        met = replace(impostor, boxes=boxes, shell=shell).meet(offset, axis, none)[0].astype(np.float64)
+        far = _distances(tree, eye, met)
+        solid = np.isfinite(far)
+        shown = np.where(solid[:, None], eye + np.where(solid, far, 0)[:, None] * met, on_shell)
+        apart = np.linalg.norm(shown - hits.place[first], axis=1)
+        return float((apart < np.maximum(SAME * length, room.thin / 2)).mean())
 
-    return max(eyes, key=shown)
+    signs = [(0, 0, 0), *((x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 0, 1))]
+    eyes = [room.eye + np.array(sign) * (high - low) / 4 for sign in signs]
+    best = max(eyes if own is None else [own, *eyes], key=right)
+    return None if best is own else best
+
+
+def _distances(tree: BVHTree, eye: Floats, ways: Floats) -> Floats:
+    """How far from an eye things are along unit directions (P, 3), (P,); infinite where there is nothing."""
+    cast: Any = tree.ray_cast
+    start = Vector(eye.tolist())
+    found = (cast(start, Vector(way))[3] for way in ways.tolist())
+    return np.array([np.inf if far is None else far for far in found])

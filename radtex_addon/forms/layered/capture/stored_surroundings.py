@@ -22,11 +22,12 @@ def arrays_of(around: Around) -> Arrays:
         elif isinstance(shape, Shell):
             found[f"shell{number}"] = np.column_stack([shape.normals, shape.heights])
         else:
-            found[f"nearness{number}"] = shape.nearness
+            found |= {f"nearness{number}": shape.nearness, f"boxes{number}": shape.boxes}
         found[f"eye{number}"] = shape.eye
     found["lamps"] = np.array(
-        [[*lamp.place, *lamp.irradiance, lamp.variance] for lamp in around.lamps], dtype=np.float64
-    ).reshape(-1, 7)
+        [[*lamp.place, *lamp.irradiance, lamp.variance, lamp.behind] for lamp in around.lamps],
+        dtype=np.float64,
+    ).reshape(-1, 8)
     return found
 
 
@@ -44,9 +45,12 @@ def around_of(arrays: Arrays) -> Around:
             planes = _single(arrays[f"shell{number}"])
             shape = Shell(planes[:, :3], planes[:, 3], eye)
         else:
-            shape = Impostor(arrays[f"nearness{number}"], eye)
+            shell = next((each.shape for each in layers if isinstance(each.shape, Shell)), None)
+            shape = Impostor(arrays[f"nearness{number}"], eye, arrays[f"boxes{number}"], shell)
         layers.append(SurroundingLayer(_pictures(f"layer{number}", arrays), shape))
-    lamps = tuple(Lamp(_single(row[:3]), _single(row[3:6]), float(row[6])) for row in arrays["lamps"])
+    lamps = tuple(
+        Lamp(_single(row[:3]), _single(row[3:6]), float(row[6]), bool(row[7])) for row in arrays["lamps"]
+    )
     return Around(arrays["middle"], _pictures("world", arrays), tuple(layers), lamps)
 
 

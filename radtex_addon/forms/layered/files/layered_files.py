@@ -16,7 +16,7 @@ from ....formats.sidecar import Sidecar
 from ....formats.sidecar_file import AnySidecar, mismatch_error, opened, read_facts
 from ..lookup.atlas import LayeredAtlas
 from ..lookup.edge_grid import EdgeImpostor, EdgePictures
-from ..lookup.environment import Around, SurroundingLayer
+from ..lookup.environment import Around, Shell, SurroundingLayer
 from .arrangement import (
     ALPHA,
     COLOUR,
@@ -91,7 +91,8 @@ def atlas_of(images: dict[str, Floats], facts: LayeredSidecar) -> LayeredAtlas:
     if facts.plane is not None:
         layers.append(SurroundingLayer(pictures[PLANE], facts.plane))
     if THINGS in pictures:
-        things = EdgeImpostor(images[DISTANCES][..., 0], facts.things_eye)
+        shell = facts.plane if isinstance(facts.plane, Shell) else None
+        things = EdgeImpostor(images[DISTANCES][..., 0], facts.things_eye, facts.boxes, shell)
         layers.append(SurroundingLayer(pictures[THINGS], things))
     through = facts.through
     return LayeredAtlas(

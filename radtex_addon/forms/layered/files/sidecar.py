@@ -15,7 +15,16 @@ from ....core.errors import BakeError, FormatError, ShapeError
 from ....formats.json_reader import Facts, json_text
 from ....formats.sidecar import Sidecar
 from ..lookup.atlas import LayeredAtlas
-from ..lookup.environment import MOST_PLANES, Impostor, Lamp, Pictures, Plane, Shell
+from ..lookup.environment import (
+    MOST_BOXES,
+    MOST_PLANES,
+    Impostor,
+    Lamp,
+    Pictures,
+    Plane,
+    Shell,
+    SurroundingLayer,
+)
 from ..lookup.images import Colour, ImageLook
 from ..lookup.lobes import LOBES, STEPS, Gloss, Material
 from .arrangement import (
@@ -76,9 +85,9 @@ class LayeredSidecar:
     most cells that buckets can have. `colour` is the size of the maps of the material, `width` that of the
     lobes' widths, which may be as coarse as the irradiance; `coarse` tells how many texels have buckets, of
     `own_cells` x `own_cells` and `rest_cells` x `rest_cells` cells. `distances` are the cells along the side
-    of that map, `nearness` its mean, 0 without, and `things_eye` (3,) whence it is seen, from the middle.
-    Falloffs (STEPS, 3) are by material, as are the lobes; so are `looks`, which tell how materials are shown
-    by their own images, empty if none is.
+    of that map, `nearness` its mean, 0 without, and `things_eye` (3,) whence it is seen, from the middle; in
+    a room things lie in `boxes` (n, 2, 3). Falloffs (STEPS, 3) are by material, as are the lobes; so are
+    `looks`, which tell how materials are shown by their own images, empty if none is.
     """
 
     bake: Sidecar
@@ -98,6 +107,7 @@ class LayeredSidecar:
     through: ThroughCells | None
     looks: tuple[ImageLook | None, ...] = ()
     things_eye: Floats = field(default_factory=lambda: np.zeros(3, dtype=np.float32))
+    boxes: Floats = field(default_factory=lambda: np.zeros((0, 2, 3), dtype=np.float32))
 
     @classmethod
     def of(cls, atlas: LayeredAtlas, bake: Sidecar) -> LayeredSidecar:
@@ -138,7 +148,7 @@ class LayeredSidecar:
             materials=atlas.materials,
             through=None if through is None else ThroughCells(through.ways.shape[2], through.rest.shape[2]),
             looks=atlas.looks,
-            **({} if things is None else {"things_eye": things.shape.eye}),
+            **({} if things is None else {"things_eye": things.shape.eye, "boxes": _boxes(things)}),
         )
         maps = [name for name in _MAPS if getattr(atlas, name) is not None]
         sidecar = replace(sidecar, bake=replace(sidecar.bake, layers=sidecar.layers_with(maps)))
@@ -219,11 +229,15 @@ class LayeredSidecar:
             layered["distances"] = {"size": self.distances, "nearness": _short(self.nearness)}
             if self.things_eye.any():
                 layered["distances"]["eye"] = _row(self.things_eye)
+            if len(self.boxes):
+                boxes = [{"low": _row(low), "high": _row(high)} for low, high in self.boxes]
+                layered["distances"]["boxes"] = boxes
         layered["lamps"] = [
             {
                 "place": _row(lamp.place),
                 "irradiance": _row(lamp.irradiance),
                 "variance": _short(lamp.variance),
+                **({"behind": True} if lamp.behind else {}),
             }
             for lamp in self.lamps
         ]
@@ -273,10 +287,7 @@ class LayeredSidecar:
             distances=0 if distances is None else distances.whole_number("size", 2, _LARGEST),
             nearness=0.0 if distances is None else distances.positive("nearness"),
             plane=_plane_in(layered) if PLANE in found else None,
-            lamps=tuple(
-                Lamp(_vector(lamp, "place"), _vector(lamp, "irradiance"), lamp.positive("variance"))
-                for lamp in _objects(layered, "lamps", _MOST_LAMPS)
-            ),
+            lamps=tuple(_lamp(lamp) for lamp in _objects(layered, "lamps", _MOST_LAMPS)),
             falloff=_floats([_table(material, "falloff") for material in materials]),
             materials=tuple(map(_material, materials)),
             through=None
@@ -287,6 +298,8 @@ class LayeredSidecar:
         )
         if distances is not None and "eye" in distances.values:
             sidecar = replace(sidecar, things_eye=_vector(distances, "eye"))
+        if distances is not None and "boxes" in distances.values:
+            sidecar = replace(sidecar, boxes=_boxes_in(distances, sidecar.plane))
         looks = tuple(_look(each) for each in materials)
         if any(looks):
             sidecar = replace(sidecar, looks=looks)
@@ -322,7 +335,7 @@ class LayeredSidecar:
             found += [self.plane.normals, self.plane.heights, self.plane.eye]
         elif self.plane is not None:
             found += [self.plane.normal, np.array([self.plane.height]), self.plane.eye]
-        return [*found, self.things_eye]
+        return [*found, self.things_eye, self.boxes]
 
 
 def _picture(pictures: Pictures) -> OctahedralPicture:
@@ -338,6 +351,24 @@ def _picture_in(facts: Facts) -> OctahedralPicture:
     if found.size % (1 << (found.levels - 1)) or found.size >> (found.levels - 1) < 2:
         raise FormatError(f"{facts.source} has sizes that no picture has: {found.levels} of {found.size}")
     return found
+
+
+def _lamp(facts: Facts) -> Lamp:
+    behind = "behind" in facts.values and facts.truth("behind")
+    return Lamp(_vector(facts, "place"), _vector(facts, "irradiance"), facts.positive("variance"), behind)
+
+
+def _boxes(things: SurroundingLayer) -> Floats:
+    assert isinstance(things.shape, Impostor)
+    return things.shape.boxes
+
+
+def _boxes_in(distances: Facts, plane: Plane | Shell | None) -> Floats:
+    """The boxes (n, 2, 3) of things in a room."""
+    boxes = _objects(distances, "boxes", MOST_BOXES)
+    if not isinstance(plane, Shell):
+        raise FormatError(f'{distances.source} has "boxes", but the bake has no "shell"')
+    return _floats([[box.numbers(corner, 3) for corner in ("low", "high")] for box in boxes])
 
 
 def _plane_in(layered: Facts) -> Plane | Shell:

@@ -24,6 +24,9 @@ _LEAST_RATIO, _MOST_RATIO = 1 / 16, 4.0  # of distances from the fragment and fr
 _NARROWER = (-12.0, 2.5, 0.5)  # exponents of 2: by how much the Gaussians that make a lobe are narrower
 _PARALLEL, _STEEPEST = 1e-4, 0.999  # sines of angles to a plane: along it, and straight at it
 MOST_PLANES = 8  # of a shell
+MOST_BOXES = 8  # around what stands in one
+SMALLEST = 1e-7  # part of a unit vector
+BEYOND = 0.12  # of a thing's distance: what is further than its box by that is not met in it
 FARTHEST = 1e6  # how far away a ray meets a shell that it leaves
 
 
@@ -153,7 +156,7 @@ class Shell:
         Where there is none, it is met FARTHEST away. Offsets behind a plane count as lying in it.
         """
         axis, offset = axis.T, offset.T
-        far, nearest = self._far(offset, axis)
+        far, nearest = self.far(offset, axis)
         met = offset + far * axis - self.eye[:, None]
         distance = np.maximum(np.linalg.norm(met, axis=0), 1e-6)
         met = met / distance
@@ -165,10 +168,10 @@ class Shell:
 
     def seen_at(self, direction: Floats) -> Floats:
         """As `Plane.seen_at`."""
-        far, _ = self._far(np.broadcast_to(self.eye[:, None], direction.T.shape), direction.T)
+        far, _ = self.far(np.broadcast_to(self.eye[:, None], direction.T.shape), direction.T)
         return cast(Floats, self.eye + far[:, None] * direction)
 
-    def _far(self, offset: Floats, axis: Floats) -> tuple[Floats, Ints]:
+    def far(self, offset: Floats, axis: Floats) -> tuple[Floats, Ints]:
         """How far along unit axes (3, N) from offsets (3, N) the shell is met, and in which plane, (N,)."""
         sine = self.normals @ axis
         above = np.maximum(self.normals @ offset - self.heights[:, None], 0)
@@ -183,10 +186,15 @@ class Impostor:
 
     The eye (3,) is given from the middle.
     Szirmay-Kalos et al., "Approximate Ray-Tracing on the GPU with Distance Impostors" (2005).
+    In a room, things lie in `boxes` (n, 2, 3), their lowest and highest corners from the middle, at most
+    MOST_BOXES: a ray begins where it comes to the nearest box. One that comes to none passes between them to
+    the `shell`.
     """
 
     nearness: Floats
     eye: Floats = field(default_factory=lambda: np.zeros(3, dtype=np.float32))
+    boxes: Floats = field(default_factory=lambda: np.zeros((0, 2, 3), dtype=np.float32))
+    shell: Shell | None = None
 
     @classmethod
     def of(cls, direction: Floats, distance: Floats, eye: Floats | None = None) -> Impostor:
@@ -200,18 +208,45 @@ class Impostor:
 
     def meet(self, offset: Floats, axis: Floats, variance: Floats) -> tuple[Floats, Floats, Floats]:
         """As `Plane.meet`: the sphere is cut that is as large as what lies in the direction found last."""
-        axis, offset = axis.T, offset.T - self.eye[:, None]
+        axis, offset = axis.T, offset.T
+        begin, bounds = self._begin(offset, axis)
+        offset = offset - self.eye[:, None]
         along = (offset * axis).sum(axis=0)
         squared = (offset * offset).sum(axis=0)
-        met, ratio = axis, np.ones_like(along)
+        met, ratio = begin, np.ones_like(along)
         for _ in range(STEPS):
             distance = 1 / np.maximum(self._maps.look(direction_to_octahedron(met.T).T, 0)[0], 1e-9)
             far = np.sqrt(np.maximum(along * along - squared + distance * distance, 0)) - along
+            if bounds is not None:
+                enter, leave, wall = bounds
+                far = np.where(far > leave + BEYOND * distance, wall, np.clip(far, enter, leave))
             reached = offset + far * axis
             length = np.maximum(np.linalg.norm(reached, axis=0), 1e-6)
             met, ratio = reached / length, far / length
         wider = np.clip(ratio, _LEAST_RATIO, _MOST_RATIO) ** 2
         return met.T, wider, np.ones_like(variance)
+
+    def _begin(self, offset: Floats, axis: Floats) -> tuple[Floats, tuple[Floats, Floats, Floats] | None]:
+        """Where rays from offsets (3, N) along axes (3, N) begin, as unit directions from the eye (3, N).
+
+        And where they enter and leave the nearest box, and meet the shell: what lies further than the box is
+        not met there. One that comes to no box enters and leaves at the shell; from within a box it begins
+        where it leaves it.
+        """
+        if self.shell is None:
+            return axis, None
+        wall, _ = self.shell.far(offset, axis)
+        begin, enter, leave = wall.copy(), wall.copy(), wall.copy()
+        turned = np.where(np.abs(axis) < SMALLEST, SMALLEST, axis)
+        for low, high in self.boxes:
+            one, other = (low[:, None] - offset) / turned, (high[:, None] - offset) / turned
+            first, last = np.minimum(one, other).max(axis=0), np.maximum(one, other).min(axis=0)
+            start = np.where(first > 0, first, last)
+            nearer = (first <= last) & (last > 0) & (start < begin)
+            begin = np.where(nearer, start, begin)
+            enter, leave = np.where(nearer, np.maximum(first, 0), enter), np.where(nearer, last, leave)
+        met = offset + begin * axis - self.eye[:, None]
+        return met / np.maximum(np.linalg.norm(met, axis=0), 1e-6), (enter, leave, wall)
 
     def seen_at(self, direction: Floats) -> Floats:
         """As `Plane.seen_at`."""
@@ -230,11 +265,10 @@ class SurroundingLayer:
     pictures: Pictures
     shape: Plane | Shell | Impostor
 
-    def over(self, light: Floats, offset: Floats, axis: Floats, variance: Floats) -> Floats:
-        """`light` (3, N) behind the layer, with the layer before it, seen blurred from offsets."""
+    def seen(self, offset: Floats, axis: Floats, variance: Floats) -> Floats:
+        """What is seen of it, blurred, from offsets (N, 3) along axes (N, 3): (4, N), premultiplied."""
         met, wider, cover = self.shape.meet(offset, axis, variance)
-        seen = cover * self.pictures.look(met.astype(np.float32), (variance * wider).astype(np.float32))
-        return cast(Floats, light * (1 - seen[3]) + seen[:3])
+        return cover * self.pictures.look(met.astype(np.float32), (variance * wider).astype(np.float32))
 
 
 @dataclass(frozen=True, eq=False)
@@ -242,11 +276,13 @@ class Lamp:
     """A lamp that is seen: its `place` (3,) from the middle, `irradiance` (3,) there, `variance` of its size.
 
     The irradiance is that of a surface at the middle that faces it, the variance in radians² along each axis.
+    `behind`: the layers are before it, as walls and windows are before a sun.
     """
 
     place: Floats
     irradiance: Floats
     variance: float
+    behind: bool = False
 
     def light(self, offset: Floats, axis: Floats, variance: Floats) -> Floats:
         """What rays see of it, blurred by variances (N,): (3, N)."""
@@ -274,21 +310,27 @@ class Around:
         Blurred by variances (N,), radians² along each of two axes. Components had better lie apart in memory.
         """
         axis, offset = axis.astype(np.float32), offset.astype(np.float32)
-        light = self.world.look(axis, variance)
+        light, free = self.world.look(axis, variance), np.float32(1)
         for layer in self.layers:
-            light = layer.over(light, offset, axis, variance)
+            seen = layer.seen(offset, axis, variance)
+            light, free = light * (1 - seen[3]) + seen[:3], free * (1 - seen[3])
         for lamp in self.lamps:
-            light = light + lamp.light(offset, axis, variance)
+            light = light + lamp.light(offset, axis, variance) * (free if lamp.behind else 1)
         return light.astype(np.float32)
 
 
 def lamps_of(
-    direction: Floats, radiance: Floats, places: Sequence[Floats], shares: Sequence[float] | None = None
+    direction: Floats,
+    radiance: Floats,
+    places: Sequence[Floats],
+    shares: Sequence[float] | None = None,
+    behind: Sequence[bool] | None = None,
 ) -> tuple[Lamp, ...]:
     """Lamps from a picture of them alone, in size x size cells of the octahedron.
 
     `direction` (P, 3) and `radiance` (P, 3) are the cells'; `places` (3,) the lamps', from the middle. A lamp
-    that covers no cell's centre is left out. `shares`: the lamps' width² over that of what the picture shows.
+    that covers no cell's centre is left out. `shares`: the lamps' width² over that of what the picture
+    shows; `behind` as in `Lamp`.
     """
     lit = radiance.sum(axis=1) > 0
     solid = 4 * np.abs(direction[lit]).sum(axis=1) ** 3 / len(direction)  # of a cell, on the sphere
@@ -307,5 +349,6 @@ def lamps_of(
         variance = float((squared * weight).sum() / weight.sum() / 2)
         variance *= 1.0 if shares is None else shares[number]
         at = centre * np.linalg.norm(place)
-        found.append(Lamp(at.astype(np.float32), sent.sum(axis=0), max(variance, 1e-7)))
+        outside = behind is not None and behind[number]
+        found.append(Lamp(at.astype(np.float32), sent.sum(axis=0), max(variance, 1e-7), outside))
     return tuple(found)

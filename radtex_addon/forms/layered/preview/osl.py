@@ -72,6 +72,8 @@ def constants_of(sidecar: LayeredSidecar) -> str:
         ("LOBES", "lobes"),
         ("GLOSS", "gloss"),
         ("LAMPS", "lamp_place"),
+        ("SHELL", "shell_planes"),
+        ("BOXES", "box_low"),
     ):
         if f"radtex_{counted}" in values:
             lines.append(f"#define RADTEX_{name}_COUNT {np.size(values[f'radtex_{counted}'])}")

@@ -9,12 +9,11 @@ from math import pi
 
 import bpy
 
-from ....core.arrays import Floats
 from ....preview.taps import bilinear, pair, pixel_centre, readable_size
 from ....scene.nodes import NodeBuilder, Socket, close_group, open_group
 from ..files.arrangement import DISTANCES, PLANE, THINGS, WORLD
 from ..files.sidecar import LayeredSidecar, OctahedralPicture
-from ..lookup.environment import FARTHEST, STEPS, Lamp, Plane, Shell
+from ..lookup.environment import BEYOND, FARTHEST, SMALLEST, STEPS, Lamp, Plane, Shell
 from .images import constant, ordered
 
 _LEAST = 1e-12  # width²
@@ -36,21 +35,20 @@ def around_group(
         near.append(_over_group("Plane", picture, shape))
     if THINGS in facts.pictures:
         picture = picture_group("Things", images[THINGS], facts.pictures[THINGS], octahedron)
-        near.append(
-            _over_group("Things", picture, _things_group(images[DISTANCES], octahedron, facts.things_eye))
-        )
+        near.append(_over_group("Things", picture, _things_group(images[DISTANCES], octahedron, facts)))
     lamp = _lamp_group() if facts.lamps else None
     build, (offset, axis, spread) = open_group(
         "RadTex Surroundings", Offset="Vector", Axis="Vector", Spread="Float"
     )
     light, _ = build.group(world, axis, spread)
+    free = build.value(1.0, "open to what lies behind the layers")
     for layer in near:
         there, along, wide = _all_late(build, offset, axis, spread, light)
-        (light,) = build.group(layer, light, there, along, wide)
+        light, free = build.group(layer, light, free, there, along, wide)
     for one in facts.lamps if lamp is not None else ():
         there, along, wide = _all_late(build, offset, axis, spread, light)
         (shown,) = build.group(lamp, there, along, wide, *_lamp_facts(one))  # type: ignore[arg-type]
-        light = build.vector("ADD", light, shown)
+        light = build.vector("ADD", light, build.vector("SCALE", shown, free) if one.behind else shown)
     return close_group(build, Light=light)
 
 
@@ -112,15 +110,16 @@ def _level_group(name: str, image: bpy.types.Image, picture: OctahedralPicture) 
 def _over_group(
     name: str, picture: bpy.types.ShaderNodeTree, shape: bpy.types.ShaderNodeTree
 ) -> bpy.types.ShaderNodeTree:
-    """Light behind a layer, with the layer before it: `Layer.over`."""
-    build, (light, offset, axis, spread) = open_group(
-        f"RadTex {name} Layer", Light="Vector", Offset="Vector", Axis="Vector", Spread="Float"
+    """Light behind a layer with the layer before it, and how much is Free before and after: `Around.look`."""
+    build, (light, free, offset, axis, spread) = open_group(
+        f"RadTex {name} Layer", Light="Vector", Free="Float", Offset="Vector", Axis="Vector", Spread="Float"
     )
     met, wider, cover = build.group(shape, offset, axis, spread)
     color, alpha = build.group(picture, met, build.math("MULTIPLY", spread, wider))
     left = build.math("SUBTRACT", 1.0, build.math("MULTIPLY", cover, alpha))
     shown = build.vector("SCALE", color, cover)
-    return close_group(build, Light=build.vector("ADD", build.vector("SCALE", light, left), shown))
+    seen = build.vector("ADD", build.vector("SCALE", light, left), shown)
+    return close_group(build, Light=seen, Free=build.math("MULTIPLY", free, left))
 
 
 def _plane_group(plane: Plane) -> bpy.types.ShaderNodeTree:
@@ -154,13 +153,10 @@ def _plane_group(plane: Plane) -> bpy.types.ShaderNodeTree:
 
 def _shell_group(shell: Shell) -> bpy.types.ShaderNodeTree:
     """`Shell.meet`."""
-    plane = _shell_plane_group()
     build, (offset, axis, _) = open_group(
         "RadTex Shell Shape", Offset="Vector", Axis="Vector", Spread="Float"
     )
-    far, normal = build.value(FARTHEST), axis
-    for way, height in zip(shell.normals, shell.heights, strict=True):
-        far, normal = build.group(plane, offset, axis, constant(way), float(height), far, normal)
+    far, normal = _wall(build, shell, offset, axis)
     met = build.vector("ADD", offset, build.vector("SCALE", axis, far))
     met = build.vector("SUBTRACT", met, constant(shell.eye))
     distance = build.math("MAXIMUM", build.vector("LENGTH", met), 1e-6)
@@ -174,48 +170,80 @@ def _shell_group(shell: Shell) -> bpy.types.ShaderNodeTree:
     return close_group(build, Direction=direction, Wider=wider, Cover=build.value(1.0))
 
 
-def _shell_plane_group() -> bpy.types.ShaderNodeTree:
-    """The nearer of what is Far along a ray, in a plane of some Normal, and one more plane of a shell."""
-    build, (offset, axis, way, height, far, normal) = open_group(
-        "RadTex Shell Plane",
-        Offset="Vector",
-        Axis="Vector",
-        Way="Vector",
-        Height="Float",
-        Far="Float",
-        Normal="Vector",
-    )
-    sine = build.math("MULTIPLY", build.vector("DOT_PRODUCT", axis, way), -1.0)
-    above = build.math("SUBTRACT", build.vector("DOT_PRODUCT", offset, way), height)
-    reach = build.math("DIVIDE", build.math("MAXIMUM", above, 0.0), build.math("MAXIMUM", sine, _PARALLEL))
-    towards = build.math("GREATER_THAN", sine, _PARALLEL)
-    nearer = build.math("MULTIPLY", towards, build.math("LESS_THAN", reach, far))
-    return close_group(
-        build,
-        Far=build.mix(nearer, far, reach, "FLOAT"),
-        Normal=build.mix(nearer, normal, way, "VECTOR"),
-    )
+def _wall(build: NodeBuilder, shell: Shell, offset: Socket, axis: Socket) -> tuple[Socket, Socket]:
+    """`Shell.far`: how far it is along an axis, and the normal of the plane."""
+    far, normal = build.value(FARTHEST), axis
+    for way, height in zip(shell.normals, shell.heights, strict=True):
+        plane = constant(way)
+        sine = build.math("MULTIPLY", build.vector("DOT_PRODUCT", axis, plane), -1.0)
+        above = build.math("SUBTRACT", build.vector("DOT_PRODUCT", offset, plane), float(height))
+        deep, above = build.math("MAXIMUM", sine, _PARALLEL), build.math("MAXIMUM", above, 0.0)
+        reach, towards = build.math("DIVIDE", above, deep), build.math("GREATER_THAN", sine, _PARALLEL)
+        nearer = build.math("MULTIPLY", towards, build.math("LESS_THAN", reach, far))
+        far, normal = build.mix(nearer, far, reach, "FLOAT"), build.mix(nearer, normal, plane)
+    return far, normal
+
+
+def _span(
+    build: NodeBuilder, facts: LayeredSidecar, offset: Socket, axis: Socket
+) -> tuple[Socket, Socket, Socket, Socket] | None:
+    """`Impostor._begin`: where a ray begins, enters and leaves a box, and meets a wall; None in the open."""
+    if not isinstance(facts.plane, Shell):
+        return None
+    wall, _ = _wall(build, facts.plane, offset, axis)
+    begin = enter = leave = wall
+    slow = build.combine(*(_not_still(build, part) for part in build.separate(axis)))
+    for low, high in facts.boxes:
+        one, other = (
+            build.vector("DIVIDE", build.vector("SUBTRACT", constant(corner), offset), slow)
+            for corner in (low, high)
+        )
+        x, y, z = build.separate(build.vector("MINIMUM", one, other))
+        first = build.math("MAXIMUM", x, build.math("MAXIMUM", y, z))
+        x, y, z = build.separate(build.vector("MAXIMUM", one, other))
+        last = build.math("MINIMUM", x, build.math("MINIMUM", y, z))
+        start = build.mix(build.math("GREATER_THAN", first, 0.0), last, first, "FLOAT")
+        passed = build.math("SUBTRACT", 1.0, build.math("GREATER_THAN", first, last))
+        ahead = build.math("MULTIPLY", passed, build.math("GREATER_THAN", last, 0.0))
+        nearer = build.math("MULTIPLY", ahead, build.math("LESS_THAN", start, begin))
+        begin = build.mix(nearer, begin, start, "FLOAT")
+        enter = build.mix(nearer, enter, build.math("MAXIMUM", first, 0.0), "FLOAT")
+        leave = build.mix(nearer, leave, last, "FLOAT")
+    return begin, enter, leave, wall
+
+
+def _not_still(build: NodeBuilder, part: Socket) -> Socket:
+    """A component that can be divided by."""
+    still = build.math("LESS_THAN", build.math("ABSOLUTE", part), SMALLEST)
+    return build.mix(still, part, SMALLEST, "FLOAT")
 
 
 def _things_group(
-    image: bpy.types.Image, octahedron: bpy.types.ShaderNodeTree, eye: Floats
+    image: bpy.types.Image, octahedron: bpy.types.ShaderNodeTree, facts: LayeredSidecar
 ) -> bpy.types.ShaderNodeTree:
     """`Impostor.meet`; of the spread only when it is known matters, see `images.ordered`."""
     nearness = _nearness_group(image, octahedron)
     build, (offset, axis, spread) = open_group(
         "RadTex Things Shape", Offset="Vector", Axis="Vector", Spread="Float"
     )
-    if eye.any():
-        offset = build.vector("SUBTRACT", offset, constant(eye))
+    span = _span(build, facts, offset, axis)
+    if facts.things_eye.any():
+        offset = build.vector("SUBTRACT", offset, constant(facts.things_eye))
     along = ordered(build, build.vector("DOT_PRODUCT", offset, axis), (spread,))
     squared = build.vector("DOT_PRODUCT", offset, offset)
     beyond = build.math("SUBTRACT", build.math("MULTIPLY", along, along), squared)
-    met, ratio = _late(build, axis, along), build.value(1.0)
+    first = axis if span is None else build.vector("ADD", offset, build.vector("SCALE", axis, span[0]))
+    met, ratio = _late(build, first, along), build.value(1.0)
     for _ in range(STEPS):
         (near,) = build.group(nearness, met)
         distance = build.math("DIVIDE", 1.0, build.math("MAXIMUM", near, 1e-9))
         root = build.math("MAXIMUM", build.math("MULTIPLY_ADD", distance, distance, beyond), 0.0)
         far = build.math("SUBTRACT", build.math("SQRT", root), along)
+        if span is not None:
+            _, enter, leave, wall = span
+            behind = build.math("GREATER_THAN", far, build.math("MULTIPLY_ADD", distance, BEYOND, leave))
+            inside = build.math("MINIMUM", build.math("MAXIMUM", far, enter), leave)
+            far = build.mix(behind, inside, wall, "FLOAT")
         reached = build.vector("ADD", offset, build.vector("SCALE", axis, far))
         length = build.math("MAXIMUM", build.vector("LENGTH", reached), 1e-6)
         met = build.vector("SCALE", reached, build.math("DIVIDE", 1.0, length))
