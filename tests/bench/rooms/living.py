@@ -58,7 +58,7 @@ def living() -> None:
     """Build the room in a new file, with cameras view0 to view5."""
     start()
     chance = np.random.default_rng(_SEED)
-    light_outside((0.42, -0.75, -0.62), sun=20.0, sky=4.5)
+    light_outside((0.42, -0.75, -0.62), sun=14.0, sky=4.0)
     _build_shell(chance)
     _add_window_and_door()
     _seat(chance)
