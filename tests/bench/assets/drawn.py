@@ -152,7 +152,7 @@ def _dress(part: Any, chance: np.random.Generator) -> None:
 
 
 def image_texture(tree: Any, name: str, pixels: Image, space: str) -> Any:
-    """A node of an image that is packed, of `pixels` (H, W, 3 or 4) in its colour space, the lowest row first."""
+    """A node of a packed image of `pixels` (H, W, 3 or 4) in its colour space, the lowest row first."""
     height, width, channels = pixels.shape
     image: Any = bpy.data.images.new(name, width, height, alpha=channels == 4)
     image.colorspace_settings.name = space

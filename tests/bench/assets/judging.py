@@ -69,9 +69,7 @@ def baked_parts(folder: Path) -> list[Part]:
     return found
 
 
-def judge(
-    parts: list[Part], view: View, sheet: Path, blocked: Array | None = None
-) -> dict[str, Figures]:
+def judge(parts: list[Part], view: View, sheet: Path, blocked: Array | None = None) -> dict[str, Figures]:
     """Figures of a view: "all" and by part's name of the bake, and by name of its other pictures.
 
     Writes a sheet: traced, baked, the others; below them twice their difference. Pixels count that are wholly

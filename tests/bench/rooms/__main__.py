@@ -26,7 +26,7 @@ from typing import Any
 import bpy
 import numpy as np
 
-from ..assets.judging import Figures, Part, baked_parts, judge, save_overview
+from ..assets.judging import Figures, baked_parts, judge, save_overview
 from ..assets.views import PIXELS, Pictures, View, scene_cameras
 from ..fidelity.references import distances, tree_of
 from .baking import bake, kept_costs, rendered, room_file, written
@@ -53,12 +53,14 @@ def main() -> None:
 
 def judged_room(name: str, folder: Path, options: argparse.Namespace, more: list[str]) -> dict[str, Any]:
     """Bake a room unless it is baked, judge its views, and tell all figures, ready for JSON."""
-    scene = room_file(name, options.references or folder)
+    kept = options.references or folder
+    kept.mkdir(parents=True, exist_ok=True)
+    scene = room_file(name, kept)
     bpy.ops.wm.open_mainfile(filepath=str(scene))
     bakes = options.baked or folder / "bake"
     if options.baked is None:
         bake(scene, options.objects or [item.name for item in rendered()], bakes, more)
-    views = _views(Pictures(scene, options.references or folder, options.samples), options)
+    views = _views(Pictures(scene, kept, options.samples), options)
     parts = baked_parts(bakes)
     facts = written(parts)
     named = {part.name for part in parts}

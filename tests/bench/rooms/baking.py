@@ -31,7 +31,7 @@ _DRAWN: dict[str, Callable[[], None]] = {"living": living.living, "gallery": gal
 
 @dataclass(frozen=True)
 class Costs:
-    """Seconds of a bake by the clock and of the processor, and the most memory of its process in megabytes."""
+    """Seconds of a bake by the clock and of the processor, and its process's peak memory in megabytes."""
 
     wall: float
     processor: float
@@ -71,6 +71,7 @@ def build(scene: str) -> None:
         lottery.draw_room(int(scene.removeprefix(_SEED)))
     else:
         _DRAWN[scene]()
+    bpy.context.view_layer.update()
 
 
 def rendered(kinds: tuple[str, ...] = ("MESH",)) -> list[bpy.types.Object]:
@@ -86,7 +87,16 @@ def bake(scene: Path, objects: list[str], folder: Path, more: list[str]) -> Cost
     """
     folder.mkdir(parents=True, exist_ok=True)
     named = [word for one in objects for word in ("--object", one)]
-    wanted = ["--together", "auto", "--out", str(folder), "--save-preview", "--overwrite", "--progress", "none"]
+    wanted = [
+        "--together",
+        "auto",
+        "--out",
+        str(folder),
+        "--save-preview",
+        "--overwrite",
+        "--progress",
+        "none",
+    ]
     command = [sys.executable, str(ROOT / "bake.py"), str(scene), *named, *wanted, *more]
     log = folder.with_suffix(".log")
     started = perf_counter()

@@ -7,11 +7,12 @@ Lengths are metres, z is up, and a room stands on z = 0.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from math import radians
 from typing import Any, TypeAlias, cast
 
+import bmesh
 import bpy
 import numpy as np
 from mathutils import Euler, Vector
@@ -84,7 +85,7 @@ def spot(name: str, place: Place, target: Place, watts: float, degrees: float, r
 
 
 def cameras(views: Sequence[tuple[Place, Place]], degrees: float) -> None:
-    """Add view0, view1 and so on, each from a place towards another, heads level; an angle of view for all."""
+    """Add view0, view1 and so on, each from a place towards another, heads level, of one angle of view."""
     scene: Any = bpy.context.scene
     for number, (place, target) in enumerate(views):
         data: Any = bpy.data.cameras.new(f"view{number}")
@@ -97,7 +98,11 @@ def cameras(views: Sequence[tuple[Place, Place]], degrees: float) -> None:
 
 
 def wall(
-    name: str, start_at: tuple[float, float], end: tuple[float, float], height: float, holes: Sequence[Hole] = ()
+    name: str,
+    start_at: tuple[float, float],
+    end: tuple[float, float],
+    height: float,
+    holes: Sequence[Hole] = (),
 ) -> Any:
     """A wall from one corner to another, whose room lies to the left of that way; THICKNESS to the right.
 
@@ -108,14 +113,15 @@ def wall(
     outwards = Vector((along.y, -along.x, 0)) * THICKNESS
     ways = sorted({0.0, (last - first).length, *(side for hole in holes for side in hole[:2])})
     heights = sorted({0.0, height, *(side for hole in holes for side in hole[2:])})
-    vertices: Vertices = []
-    number: dict[tuple[int, int, int], int] = {}
-    for layer in (0, 1):
-        for i, way in enumerate(ways):
-            for k, up in enumerate(heights):
-                number[layer, i, k] = len(vertices)
-                place = first + along * way + outwards * layer
-                vertices.append((place.x, place.y, up))
+    corners = [first + along * way + outwards * layer for layer in (0, 1) for way in ways]
+    vertices: Vertices = [(corner.x, corner.y, up) for corner in corners for up in heights]
+    item: Any = mesh_object(name, vertices, _wall_faces(ways, heights, holes), smooth=False)
+    _remove_loose_vertices(item)
+    return item
+
+
+def _wall_faces(ways: list[float], heights: list[float], holes: Sequence[Hole]) -> Faces:
+    """The faces of a grid of boxes without those in holes; vertices by layer, then way, then height."""
 
     def filled(i: int, k: int) -> bool:
         if not (0 <= i < len(ways) - 1 and 0 <= k < len(heights) - 1):
@@ -124,29 +130,31 @@ def wall(
         return not any(a < way < b and c < up < d for a, b, c, d in holes)
 
     faces: Faces = []
-    for i in range(len(ways) - 1):
-        for k in range(len(heights) - 1):
-            if not filled(i, k):
-                continue
-            inner = [number[0, *corner] for corner in ((i, k), (i, k + 1), (i + 1, k + 1), (i + 1, k))]
-            outer = [number[1, *corner] for corner in ((i, k), (i, k + 1), (i + 1, k + 1), (i + 1, k))]
-            faces += [tuple(inner[::-1]), tuple(outer)]
-            sides = ((i - 1, k), (i, k + 1), (i + 1, k), (i, k - 1))
-            for side, beside in enumerate(sides):
-                if not filled(*beside):
-                    a, b = side, (side + 1) % 4
-                    faces.append((inner[a], inner[b], outer[b], outer[a]))
-    used = sorted({index for face in faces for index in face})
-    renumbered = {old: new for new, old in enumerate(used)}
-    return mesh_object(
-        name,
-        [vertices[old] for old in used],
-        [tuple(renumbered[index] for index in face) for face in faces],
-        smooth=False,
-    )
+    for i, k in np.ndindex(len(ways) - 1, len(heights) - 1):
+        if not filled(i, k):
+            continue
+        corners = ((i, k), (i, k + 1), (i + 1, k + 1), (i + 1, k))
+        inner = [a * len(heights) + b for a, b in corners]
+        outer = [index + len(ways) * len(heights) for index in inner]
+        faces += [tuple(inner), tuple(outer[::-1])]
+        for side, beside in enumerate(((i - 1, k), (i, k + 1), (i + 1, k), (i, k - 1))):
+            if not filled(*beside):
+                a, b = side, (side + 1) % 4
+                faces.append((inner[b], inner[a], outer[a], outer[b]))
+    return faces
 
 
-def shell(width: float, depth: float, height: float, holes: dict[str, Sequence[Hole]]) -> dict[str, Any]:
+def _remove_loose_vertices(item: Any) -> None:
+    """Drop a mesh's vertices that no face has."""
+    used = {index for face in item.data.polygons for index in face.vertices}
+    changed = bmesh.new()
+    changed.from_mesh(item.data)
+    bmesh.ops.delete(changed, geom=[one for one in changed.verts if one.index not in used], context="VERTS")
+    changed.to_mesh(item.data)
+    changed.free()
+
+
+def shell(width: float, depth: float, height: float, holes: Mapping[str, Sequence[Hole]]) -> dict[str, Any]:
     """Floor, Ceiling and walls North, East, South, West (y up is north) of a room about the origin, by name.
 
     The holes of a wall are told from its left corner, as one sees it from inside.
@@ -175,6 +183,15 @@ def boxes(name: str, *parts: Box, bevel: float = 0.0, segments: int = 2) -> Any:
     item: Any = mesh_object(name, *joined(*(_box(*part) for part in parts)), smooth=False)
     if bevel:
         round_off(item, bevel, segments)
+    return item
+
+
+def painted(item: Any, *materials: tuple[bpy.types.Material, int]) -> Any:
+    """An object of `boxes`, so many of them of each material in turn; the object."""
+    numbers = np.repeat(np.arange(len(materials)), [6 * count for _, count in materials])
+    for material, _ in materials:
+        assign(item, material)
+    item.data.polygons.foreach_set("material_index", numbers.astype(np.int32))
     return item
 
 
@@ -266,7 +283,9 @@ def fabric(name: str, colour: Colour, scale: float = 60.0) -> bpy.types.Material
     return material
 
 
-def wood(name: str, dark: Colour, light: Colour, roughness: float, along: Place = (1, 9, 9)) -> bpy.types.Material:
+def wood(
+    name: str, dark: Colour, light: Colour, roughness: float, along: Place = (1, 9, 9)
+) -> bpy.types.Material:
     """Wood whose grain runs along the axis of the smallest of three scales, from noise over the object."""
     material = principled(name, light, Roughness=roughness)
     scales: Place = cast(Place, tuple(2.2 * value for value in along))
@@ -319,7 +338,7 @@ def noise_image(chance: np.random.Generator, shape: tuple[int, int], cells: tupl
 
 
 def parquet(chance: np.random.Generator, size: tuple[float, float], plank: tuple[float, float]) -> Image:
-    """Planks (H, W, 3) of a length and width, over a floor of `size`, 400 pixels a metre; rows run along x."""
+    """Planks (H, W, 3) of a length and width along x, over a floor of `size`, 400 pixels a metre."""
     width, height = (round(400 * side) for side in size)
     grain = 0.5 * noise_image(chance, (height, width), (height // 4, max(width // 120, 1)))
     grain += 0.5 * noise_image(chance, (height, width), (height // 10, max(width // 300, 1)))
@@ -331,7 +350,10 @@ def parquet(chance: np.random.Generator, size: tuple[float, float], plank: tuple
     tone = chance.random((row.max() + 1, number.max() + 1))[row, number]
     dark, light = np.array([0.42, 0.27, 0.16]), np.array([0.72, 0.53, 0.35])
     share = np.clip(0.15 + 0.55 * tone + 0.55 * (grain - 0.5), 0, 1)[..., None]
-    apart = np.minimum(np.minimum(y % plank[1], plank[1] - y % plank[1]), np.minimum(moved % plank[0], plank[0] - moved % plank[0]))
+    apart = np.minimum(
+        np.minimum(y % plank[1], plank[1] - y % plank[1]),
+        np.minimum(moved % plank[0], plank[0] - moved % plank[0]),
+    )
     joint = np.where(apart < 0.0016, 0.45, 1.0)[..., None]
     planks: Image = (dark + (light - dark) * share) * joint
     return planks
@@ -341,17 +363,25 @@ def painting(chance: np.random.Generator, shape: tuple[int, int]) -> Image:
     """An abstract picture (H, W, 3): soft fields of colour, some bands and discs, and a painter's grain."""
     height, width = shape
     y, x = np.meshgrid(np.linspace(0, 1, height), np.linspace(0, 1, width), indexing="ij")
-    one, two, three = chance.uniform(0.1, 0.95, (3, 3))
+    one, two, three = _muted(chance.uniform(0.1, 0.95, (3, 3)))
     share = noise_image(chance, shape, (4, 3))[..., None]
     found = one * share + two * (1 - share)
     for _ in range(int(chance.integers(2, 6))):
-        colour, at, size = chance.uniform(0.05, 1, 3), chance.uniform(0.15, 0.85, 2), chance.uniform(0.05, 0.25)
+        colour, at = _muted(chance.uniform(0.05, 1, 3)), chance.uniform(0.15, 0.85, 2)
+        size = chance.uniform(0.05, 0.25)
         inside = np.hypot((x - at[0]) * width / height, y - at[1]) < size
         found = np.where(inside[..., None], 0.25 * found + 0.75 * colour, found)
     for level in chance.uniform(0.1, 0.9, int(chance.integers(1, 4))):
         found = np.where((np.abs(y - level) < chance.uniform(0.01, 0.06))[..., None], three, found)
     grain = noise_image(chance, shape, (height // 3, width // 3))[..., None]
-    return np.clip(found * (0.88 + 0.24 * grain), 0, 1)
+    painted_over: Image = np.clip(found * (0.88 + 0.24 * grain), 0, 1)
+    return painted_over
+
+
+def _muted(colours: Image) -> Image:
+    """Colours (..., 3) half way to grey."""
+    found: Image = 0.5 * colours + 0.5 * colours.mean(axis=-1, keepdims=True)
+    return found
 
 
 def framed(name: str, wide: float, high: float, picture: Image, frame: bpy.types.Material) -> Any:
@@ -400,7 +430,9 @@ def cord(name: str, places: Sequence[Place], radius: float) -> Any:
     return item
 
 
-def skirting(name: str, corners: Sequence[tuple[float, float]], gaps: Sequence[Box], high: float = 0.08) -> Any:
+def skirting(
+    name: str, corners: Sequence[tuple[float, float]], gaps: Sequence[Box], high: float = 0.08
+) -> Any:
     """Boards along a closed way of corners, the room to their left; none where boxes of `gaps` are."""
     deep = 0.016
     parts: list[Box] = []
@@ -420,7 +452,7 @@ def _between_gaps(ends: Image, gaps: Sequence[Box]) -> list[tuple[Image, Image]]
     along = (ends[1] - ends[0]) / length
     cuts = []
     for low, high in gaps:
-        corners = (np.array([low[:2], high[:2]]) - ends[0])
+        corners = np.array([low[:2], high[:2]]) - ends[0]
         across = corners @ np.array([-along[1], along[0]])
         if across.min() < 0.05 and across.max() > -0.05:
             cuts.append(sorted((corners @ along).tolist()))

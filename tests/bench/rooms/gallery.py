@@ -10,12 +10,12 @@ from typing import Any
 import bpy
 import numpy as np
 
-from ..fidelity.scenes.meshes import mesh_object
+from ..assets.drawn import Image
+from ..fidelity.scenes.meshes import Faces, mesh_object
 from .building import (
     THICKNESS,
     Box,
     Colour,
-    Image,
     ball,
     boxes,
     cameras,
@@ -23,6 +23,7 @@ from .building import (
     framed,
     light_outside,
     noise_image,
+    painted,
     painting,
     pictured,
     place,
@@ -99,7 +100,9 @@ def _terrazzo(chance: np.random.Generator) -> Image:
     y, x = np.meshgrid(np.arange(height) / 200, np.arange(width) / 200, indexing="ij")
     chips = noise_image(chance, (height, width), (height // 6, width // 6))
     other = noise_image(chance, (height, width), (height // 9, width // 9))
-    stone = np.array([0.66, 0.63, 0.58]) * (0.9 + 0.2 * noise_image(chance, (height, width), (20, 30)))[..., None]
+    stone = (
+        np.array([0.66, 0.63, 0.58]) * (0.9 + 0.2 * noise_image(chance, (height, width), (20, 30)))[..., None]
+    )
     stone = np.where((chips > 0.78)[..., None], (0.3, 0.29, 0.28), stone)
     stone = np.where((other > 0.82)[..., None], (0.52, 0.3, 0.24), stone)
     joint = (x % 1.2 < 0.012) | (y % 1.2 < 0.012)
@@ -199,16 +202,12 @@ def _knot(name: str, p: int, q: int) -> Any:
         for k in range(rings)
         for turn in 2 * pi * np.arange(around) / around
     ]
-    faces = [
-        (
-            k * around + m,
-            k * around + (m + 1) % around,
-            (k + 1) % rings * around + (m + 1) % around,
-            (k + 1) % rings * around + m,
-        )
-        for k in range(rings)
-        for m in range(around)
-    ]
+    faces: Faces = []
+    for k in range(rings):
+        here, there = k * around, (k + 1) % rings * around
+        for m in range(around):
+            after = (m + 1) % around
+            faces.append((here + m, there + m, there + after, here + after))
     return mesh_object(name, vertices, faces, smooth=True)
 
 
@@ -216,10 +215,10 @@ def _set_benches() -> None:
     leather = plain("Black Leather", (0.035, 0.033, 0.03), 0.4)
     steel = plain("Brushed Steel", (0.6, 0.6, 0.62), 0.3, Metallic=1.0)
     for number, (x, y, turn) in enumerate(((1.9, 0.9, 90.0), (-1.2, -2.0, 0.0))):
-        seat = boxes(f"Bench {number + 1}", ((-0.8, -0.24, 0.36), (0.8, 0.24, 0.46)), bevel=0.025, segments=4)
-        dressed(place(seat, (x, y, 0.0), turn), leather)
         legs: list[Box] = [((at - 0.03, -0.2, 0.0), (at + 0.03, 0.2, 0.36)) for at in (-0.6, 0.6)]
-        dressed(place(boxes(f"Bench Legs {number + 1}", *legs), (x, y, 0.0), turn), steel)
+        seat: Box = ((-0.8, -0.24, 0.36), (0.8, 0.24, 0.46))
+        bench = boxes(f"Bench {number + 1}", seat, *legs, bevel=0.02, segments=4)
+        painted(place(bench, (x, y, 0.0), turn), (leather, 1), (steel, len(legs)))
     post = [(0.15, 0.0), (0.15, 0.015), (0.02, 0.03), (0.02, 0.9), (0.035, 0.92), (0.035, 0.96)]
     for number, y in enumerate((-1.1, 1.1)):
         brass = plain(f"Brass {number + 1}", (0.85, 0.62, 0.3), 0.15, Metallic=1.0)

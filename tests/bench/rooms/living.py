@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
+from ..assets.drawn import Image
 from ..fidelity.scenes.meshes import Faces, Vertices, mesh_object
 from .building import (
     Box,
     Colour,
-    Image,
     ball,
     boxes,
     cameras,
@@ -24,6 +24,7 @@ from .building import (
     glowing,
     light_outside,
     noise_image,
+    painted,
     painting,
     parquet,
     pictured,
@@ -106,11 +107,11 @@ def _add_window_and_door() -> None:
         ((low_x + wide, y + 0.04, high_z - wide), (high_x - wide, y + 0.11, high_z)),
         ((-0.03, y + 0.045, low_z + wide), (0.03, y + 0.105, high_z - wide)),
     ]
-    dressed(boxes("Window Frame", *bars), _white())
-    sill = boxes(
-        "Window Sill", ((low_x - 0.08, y - 0.16, low_z - 0.035), (high_x + 0.08, y, low_z)), bevel=0.006
-    )
-    dressed(sill, plain("Stone", (0.62, 0.6, 0.56), 0.25))
+    sill: Box = ((low_x - 0.08, y - 0.16, low_z - 0.035), (high_x + 0.08, y, low_z))
+    pole: Box = ((-1.75, y - 0.105, 2.43), (1.75, y - 0.08, 2.455))
+    stone = plain("Stone", (0.62, 0.6, 0.56), 0.25)
+    window = boxes("Window", *bars, sill, pole, bevel=0.006)
+    painted(window, (_white(), len(bars)), (stone, 1), (_brass(), 1))
     low_x, high_x, _, high_z = _DOOR
     y = -_Y
     sides: list[Box] = [
@@ -124,15 +125,13 @@ def _add_window_and_door() -> None:
         ((low_x + 0.12, y - 0.061, 0.2), (high_x - 0.12, y - 0.05, 0.9)),
         ((low_x + 0.12, y - 0.061, 1.05), (high_x - 0.12, y - 0.05, 1.9)),
     ]
-    dressed(boxes("Door", *leaf, bevel=0.004), plain("Door Paint", (0.5, 0.55, 0.5), 0.35))
     handle: list[Box] = [
         ((low_x + 0.05, y - 0.06, 0.98), (low_x + 0.075, y - 0.01, 1.005)),
         ((low_x + 0.05, y - 0.02, 0.982), (low_x + 0.18, y - 0.003, 1.003)),
     ]
-    dressed(boxes("Door Handle", *handle, bevel=0.005), _brass())
+    paint = plain("Door Paint", (0.5, 0.55, 0.5), 0.35)
+    painted(boxes("Door", *leaf, *handle, bevel=0.004), (paint, len(leaf)), (_brass(), len(handle)))
     dressed(_curtain(), plain("Linen", (0.66, 0.58, 0.46), 0.9))
-    pole = boxes("Curtain Pole", ((-1.75, _Y - 0.105, 2.43), (1.75, _Y - 0.08, 2.455)), bevel=0.012)
-    dressed(pole, _brass())
 
 
 def _brass() -> Any:
@@ -165,7 +164,12 @@ def _seat(chance: np.random.Generator) -> None:
         ((-2.5, -1.0, 0.3), (-1.62, -0.84, 0.6)),
         ((-2.5, 0.84, 0.3), (-1.62, 1.0, 0.6)),
     ]
-    dressed(boxes("Sofa", *frame, bevel=0.035, segments=4), fabric("Sofa Cloth", (0.16, 0.27, 0.30)))
+    feet = [
+        ((x - 0.03, y - 0.03, 0.0), (x + 0.03, y + 0.03, 0.1)) for x in (-2.44, -1.68) for y in (-0.94, 0.94)
+    ]
+    cloth = fabric("Sofa Cloth", (0.16, 0.27, 0.30))
+    sofa = boxes("Sofa", *frame, *feet, bevel=0.03, segments=4)
+    painted(sofa, (cloth, len(frame)), (_walnut(), len(feet)))
     cushions: list[Box] = [
         ((-2.27, -0.83, 0.305), (-1.6, -0.005, 0.45)),
         ((-2.27, 0.005, 0.305), (-1.6, 0.83, 0.45)),
@@ -182,20 +186,22 @@ def _seat(chance: np.random.Generator) -> None:
         ((-0.42, -0.34, 0.16), (-0.3, 0.38, 0.58)),
         ((0.3, -0.34, 0.16), (0.42, 0.38, 0.58)),
     ]
-    armchair = place(boxes("Armchair", *chair, bevel=0.05, segments=5), (0.95, 0.98, 0.0), -50)
-    dressed(armchair, fabric("Red Cloth", (0.45, 0.12, 0.08)))
-    legs = [((x - 0.02, y - 0.02, 0.0), (x + 0.02, y + 0.02, 0.17)) for x in (-0.3, 0.3) for y in (-0.28, 0.32)]
-    chair_legs = place(boxes("Armchair Legs", *legs, bevel=0.004), (0.95, 0.98, 0.0), -50)
-    dressed(chair_legs, _walnut())
-    feet = [((x - 0.03, y - 0.03, 0.0), (x + 0.03, y + 0.03, 0.1)) for x in (-2.44, -1.68) for y in (-0.94, 0.94)]
-    dressed(boxes("Sofa Feet", *feet), _walnut())
+    legs = [
+        ((x - 0.035, y - 0.035, 0.0), (x + 0.035, y + 0.035, 0.17))
+        for x in (-0.3, 0.3)
+        for y in (-0.28, 0.32)
+    ]
+    armchair = place(boxes("Armchair", *chair, *legs, bevel=0.034, segments=5), (0.95, 0.98, 0.0), -50)
+    painted(armchair, (fabric("Red Cloth", (0.45, 0.12, 0.08)), len(chair)), (_walnut(), len(legs)))
     rug = boxes("Rug", ((-1.45, -1.2, 0.0), (0.35, 1.2, 0.012)))
     unfold(rug, 1)
     dressed(rug, pictured("Rug", _rug(chance), 0.95))
     top = boxes("Table Top", ((-1.1, -0.55, 0.4), (-0.4, 0.55, 0.415)), bevel=0.003)
     dressed(top, plain("Glass", (0.93, 0.97, 0.95), 0.0, Transmission_Weight=1.0, IOR=1.5))
     stands: list[Box] = [
-        ((x - 0.018, y - 0.018, 0.012), (x + 0.018, y + 0.018, 0.4)) for x in (-1.0, -0.5) for y in (-0.45, 0.45)
+        ((x - 0.018, y - 0.018, 0.012), (x + 0.018, y + 0.018, 0.4))
+        for x in (-1.0, -0.5)
+        for y in (-0.45, 0.45)
     ]
     rails: list[Box] = [((-0.982, y - 0.012, 0.36), (-0.518, y + 0.012, 0.399)) for y in (-0.45, 0.45)]
     metal = plain("Black Steel", (0.12, 0.12, 0.13), 0.35, Metallic=1.0)
@@ -227,10 +233,12 @@ def _furnish_east(chance: np.random.Generator) -> None:
         ((2.145, -0.205, 0.14), (2.16, 0.415, 0.72)),
         ((2.145, 0.425, 0.14), (2.16, 1.04, 0.72)),
     ]
-    board = boxes("Sideboard", *cabinet, bevel=0.005)
-    dressed(board, wood("Oak", (0.3, 0.18, 0.09), (0.5, 0.33, 0.18), 0.28, along=(9, 1, 9)))
-    feet = [((x - 0.02, y - 0.02, 0.0), (x + 0.02, y + 0.02, 0.12)) for x in (2.22, 2.5) for y in (-0.75, 0.95)]
-    dressed(boxes("Sideboard Feet", *feet), _brass())
+    feet = [
+        ((x - 0.02, y - 0.02, 0.0), (x + 0.02, y + 0.02, 0.12)) for x in (2.22, 2.5) for y in (-0.75, 0.95)
+    ]
+    oak = wood("Oak", (0.3, 0.18, 0.09), (0.5, 0.33, 0.18), 0.28, along=(9, 1, 9))
+    board = boxes("Sideboard", *cabinet, *feet, bevel=0.005)
+    painted(board, (oak, len(cabinet)), (_brass(), len(feet)))
     mirror = boxes("Mirror", ((_X - 0.014, -0.5, 1.0), (_X - 0.004, 0.7, 1.95)))
     dressed(mirror, plain("Silver", (0.94, 0.95, 0.95), 0.0, Metallic=1.0))
     rim: list[Box] = [
@@ -272,7 +280,9 @@ def _open_turned(name: str, profile: list[tuple[float, float]], where: tuple[flo
     for k in range(segments):
         for index in range(count):
             after, beside = (index + 1) % count, (k + 1) % segments
-            faces.append((k * count + index, beside * count + index, beside * count + after, k * count + after))
+            faces.append(
+                (k * count + index, beside * count + index, beside * count + after, k * count + after)
+            )
     item: Any = mesh_object(name, vertices, faces, smooth=True)
     item.data.set_sharp_from_angle(angle=radians(50))
     item.location = where
@@ -282,11 +292,27 @@ def _open_turned(name: str, profile: list[tuple[float, float]], where: tuple[flo
 def _add_small_things() -> None:
     chrome = plain("Chrome", (0.9, 0.9, 0.92), 0.03, Metallic=1.0)
     dressed(ball("Chrome Ball", 0.17, (0.62, -0.62, 0.17)), chrome)
-    vase = [(0.05, 0.0), (0.085, 0.06), (0.1, 0.14), (0.075, 0.24), (0.035, 0.31), (0.03, 0.35), (0.042, 0.37)]
+    vase = [
+        (0.05, 0.0),
+        (0.085, 0.06),
+        (0.1, 0.14),
+        (0.075, 0.24),
+        (0.035, 0.31),
+        (0.03, 0.35),
+        (0.042, 0.37),
+    ]
     vase += [(0.037, 0.37), (0.026, 0.35), (0.03, 0.3)]
     glaze = plain("Glaze", (0.08, 0.2, 0.42), 0.3, Coat_Weight=1.0, Coat_Roughness=0.04)
     dressed(turned("Vase", vase, (2.36, -0.62, 0.742)), glaze)
-    bowl = [(0.05, 0.0), (0.06, 0.01), (0.13, 0.06), (0.15, 0.085), (0.146, 0.088), (0.125, 0.065), (0.05, 0.02)]
+    bowl = [
+        (0.05, 0.0),
+        (0.06, 0.01),
+        (0.13, 0.06),
+        (0.15, 0.085),
+        (0.146, 0.088),
+        (0.125, 0.065),
+        (0.05, 0.02),
+    ]
     dressed(turned("Bowl", bowl, (-0.72, 0.2, 0.4155)), plain("Stoneware", (0.8, 0.76, 0.68), 0.25))
     colours: tuple[Colour, ...] = ((0.5, 0.09, 0.07), (0.08, 0.2, 0.14), (0.75, 0.6, 0.25), (0.1, 0.14, 0.35))
     volumes: list[Box] = []
@@ -300,7 +326,10 @@ def _add_small_things() -> None:
         dressed(books, plain(f"Book {number + 1}", colour, 0.5))
     for face in books.data.polygons:
         face.material_index = face.index // 6 % len(colours)
-    lying: list[Box] = [((-0.95, -0.36, 0.4155), (-0.72, -0.05, 0.443)), ((-0.93, -0.33, 0.4435), (-0.72, -0.08, 0.466))]
+    lying: list[Box] = [
+        ((-0.95, -0.36, 0.4155), (-0.72, -0.05, 0.443)),
+        ((-0.93, -0.33, 0.4435), (-0.72, -0.08, 0.466)),
+    ]
     magazines = place(boxes("Magazines", *lying, bevel=0.002), (0.02, 0.0, 0.0))
     dressed(magazines, plain("Cover", (0.7, 0.68, 0.62), 0.2))
     letters = text("Letters", "HOME", 0.2, 0.02)
@@ -361,7 +390,9 @@ def _leaf_image(chance: np.random.Generator) -> Image:
     y, x = np.meshgrid((np.arange(height) + 0.5) / height, (np.arange(width) + 0.5) / width, indexing="ij")
     half = 0.08 + 0.4 * np.sin(np.pi * np.clip(y, 0, 1) ** 1.2) ** 0.8 * (y > 0.08)
     aside = np.abs(x - 0.5)
-    green = np.array([0.2, 0.42, 0.14]) + 0.12 * (noise_image(chance, (height, width), (40, 10)) - 0.5)[..., None]
+    green = (
+        np.array([0.2, 0.42, 0.14]) + 0.12 * (noise_image(chance, (height, width), (40, 10)) - 0.5)[..., None]
+    )
     veins = (aside < 0.02) | (np.abs((y * 14 - aside * 6) % 1 - 0.5) < 0.06)
     found = np.where(veins[..., None], green + 0.12, green)
     return np.concatenate([np.clip(found, 0, 1), (aside < half)[..., None]], axis=-1)

@@ -267,7 +267,11 @@ def _jar(room: _Room, chance: np.random.Generator, number: str) -> None:
     radii = chance.uniform([0.08, 0.14, 0.06], [0.14, 0.24, 0.12])
     high = float(chance.uniform(0.4, 0.8))
     profile = [(float(radii[0]), 0.0), (float(radii[1]), 0.4 * high), (float(radii[2]), 0.9 * high)]
-    profile += [(float(radii[2]) + 0.01, high), (float(radii[2]) - 0.005, high), (float(radii[2]) - 0.02, 0.9 * high)]
+    profile += [
+        (float(radii[2]) + 0.01, high),
+        (float(radii[2]) - 0.005, high),
+        (float(radii[2]) - 0.02, 0.9 * high),
+    ]
     dressed(turned(f"Jar {number}", profile, (*where, 0.0)), _finish(chance, f"Jar {number}"))
 
 
@@ -295,7 +299,9 @@ def _hang(chance: np.random.Generator, width: float, depth: float, windows: dict
         if name in windows:
             continue
         wide, high = chance.uniform([0.6, 0.5], [1.4, 1.0]).tolist()
-        item = framed(f"Picture {name}", wide, high, painting(chance, (round(400 * high), round(400 * wide))), frame)
+        item = framed(
+            f"Picture {name}", wide, high, painting(chance, (round(400 * high), round(400 * wide))), frame
+        )
         place(item, (x, y, 1.55), turn)
         if chance.random() < 0.35:
             item.name = f"Mirror {name}"
