@@ -6,7 +6,6 @@
     python -m tests.bench.rooms --scene living --scene gallery --out DIR -- --samples 8
     python -m tests.bench.rooms --scene living --baked FOLDER --out DIR           what is baked already
     python -m tests.bench.rooms … --objects Floor,Mirror          these alone
-    python -m tests.bench.rooms … --eevee --three                 beside what needs no bake of ours
 
 Prints a table of the views, the worst first, of the objects, the worst first, and what the bake cost. Leaves
 figures.json, a sheet of pictures for each view (traced, baked, others; differences below) and an overview
@@ -35,7 +34,6 @@ SAMPLES = 512  # of a path-traced pixel, denoised
 SUBSAMPLES = 2  # along a pixel's side
 _SURFACES = ("MESH", "CURVE", "FONT", "META", "SURFACE")
 _BAKED = "all"
-_EEVEE = "Eevee"
 
 
 def main() -> None:
@@ -84,7 +82,7 @@ def judged_room(name: str, folder: Path, options: argparse.Namespace, more: list
 
 
 def _views(pictures: Pictures, options: argparse.Namespace) -> list[View]:
-    """Of the scene's cameras, as Cycles sees them, and Eevee if it is asked for."""
+    """Of the scene's cameras, as Cycles sees them."""
     cameras = scene_cameras(options.pixels)
     if options.views:
         cameras = [camera for camera in cameras if camera.name in options.views]

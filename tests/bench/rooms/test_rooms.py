@@ -72,7 +72,8 @@ def test_a_seed_is_a_room() -> None:
     """The same at every call, and another for another seed."""
 
     def told() -> list[Any]:
-        return [(item.name, [tuple(row) for row in item.matrix_world]) for item in rendered()]
+        items: list[Any] = rendered()
+        return [(item.name, [tuple(row) for row in item.matrix_world]) for item in items]
 
     rooms = []
     for seed in (4, 4, 5):
