@@ -55,7 +55,7 @@ BUDGETS = {
     "tests/export": 10,
     "tests/report": 10,
     "tests/store": 5,
-    "tests/bench": 10,
+    "tests/bench": 40,
 }
 BAKES = "tests/blender"  # half of the processor time
 ALSO = ("tests/package", "tests/formats")  # what one half of those does besides, so that both take as long

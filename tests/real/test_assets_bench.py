@@ -14,7 +14,7 @@ import pytest
 
 from radtex_addon.report.gbuffer import eroded
 from radtex_addon.report.metrics import Mask
-from tests.bench.assets import three_scene, views
+from tests.bench.assets import three_scene
 from tests.bench.assets.views import Pictures, rays_of, scene_cameras
 from tests.blender import stage
 from tests.blender.image_stage import NAME, crate, texture_set
@@ -22,6 +22,7 @@ from tests.real.exhibit import Camera, decibels
 from tests.real.web import Site
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
+PIXELS, SAMPLES = 64, 16
 LEAST = 26.0  # dB of a convex box that has all of its surroundings in the probe
 CAMERA = Camera("view0", (3.6, -4.4, 3.2), (0.3, -0.2, 0.5))
 
@@ -40,8 +41,8 @@ def shown(web: Site, folder: Path, name: str) -> tuple[Any, Any]:
     file = folder / "scene.blend"
     add_camera(CAMERA)
     bpy.ops.wm.save_as_mainfile(filepath=str(file))
-    pictures = Pictures(file, folder)
-    cameras = scene_cameras()
+    pictures = Pictures(file, folder, SAMPLES)
+    cameras = scene_cameras(PIXELS)
     three_scene.write_page(pictures, [NAME], web.folder / name)
     (picture,) = three_scene.pictures_by_three(web, name, cameras)
     return picture, pictures.traced(cameras[0])
@@ -50,7 +51,7 @@ def shown(web: Site, folder: Path, name: str) -> tuple[Any, Any]:
 def inside() -> Mask:
     """Pixels of the box NAME, without its edges, in the first view."""
     graph = context.evaluated_depsgraph_get()
-    rays = rays_of(scene_cameras()[0], 1)
+    rays = rays_of(scene_cameras(PIXELS)[0], 1)
     met = [context.scene.ray_cast(graph, rays.origin, away)[4] for away in rays.away]
     seen = np.array([item is not None and item.name == NAME for item in met])
     return eroded(seen.reshape(rays.pixels, rays.pixels))
@@ -58,8 +59,6 @@ def inside() -> Mask:
 
 @pytest.fixture(autouse=True)
 def coarse(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(views, "SAMPLES", 16)
-    monkeypatch.setattr(views, "PIXELS", 64)
     monkeypatch.setattr(three_scene, "_HEIGHT", 128)
     monkeypatch.setattr(three_scene, "_SAMPLES", 4)
 

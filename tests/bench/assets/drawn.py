@@ -136,9 +136,9 @@ def _dress(part: Any, chance: np.random.Generator) -> None:
     principled = next(node for node in tree.nodes if node.type == "BSDF_PRINCIPLED")
     rough = np.stack([np.ones_like(height), np.clip(roughness, 0.05, 1), metal], axis=-1)
     texture = {
-        "colour": _texture(tree, f"{part.name} colour", np.clip(colour, 0, 1), "sRGB"),
-        "rough": _texture(tree, f"{part.name} roughness and metal", rough, "Non-Color"),
-        "normal": _texture(tree, f"{part.name} normal", _normals(height), "Non-Color"),
+        "colour": image_texture(tree, f"{part.name} colour", np.clip(colour, 0, 1), "sRGB"),
+        "rough": image_texture(tree, f"{part.name} roughness and metal", rough, "Non-Color"),
+        "normal": image_texture(tree, f"{part.name} normal", _normals(height), "Non-Color"),
     }
     split, bumps = tree.nodes.new("ShaderNodeSeparateColor"), tree.nodes.new("ShaderNodeNormalMap")
     tree.links.new(texture["rough"].outputs["Color"], split.inputs[0])
@@ -151,10 +151,13 @@ def _dress(part: Any, chance: np.random.Generator) -> None:
     part.data.materials.append(material)
 
 
-def _texture(tree: Any, name: str, pixels: Image, space: str) -> Any:
-    image: Any = bpy.data.images.new(name, PIXELS, PIXELS)
+def image_texture(tree: Any, name: str, pixels: Image, space: str) -> Any:
+    """A node of a packed image of `pixels` (H, W, 3 or 4) in its colour space, the lowest row first."""
+    height, width, channels = pixels.shape
+    image: Any = bpy.data.images.new(name, width, height, alpha=channels == 4)
     image.colorspace_settings.name = space
-    rgba = np.concatenate([pixels, np.ones_like(pixels[..., :1])], axis=-1).astype(np.float32)
+    whole = [pixels] if channels == 4 else [pixels, np.ones_like(pixels[..., :1])]
+    rgba = np.concatenate(whole, axis=-1).astype(np.float32)
     image.pixels.foreach_set(rgba.ravel())
     image.pack()
     node = tree.nodes.new("ShaderNodeTexImage")

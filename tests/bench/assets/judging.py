@@ -13,13 +13,13 @@ import numpy as np
 from PIL import Image
 
 from radtex_addon.report.finished_bake import find_bakes_of_all, read_bake
-from radtex_addon.report.gbuffer import BakedSurface, eroded
+from radtex_addon.report.gbuffer import Array, BakedSurface, eroded
 from radtex_addon.report.judging import FEWEST, resolved
 from radtex_addon.report.metrics import Mask, Picture, display, flip_map, glints_kept, psnr
 from radtex_addon.report.through import Shown, light_along
 from radtex_addon.scene.preview_file import appended
 
-from .views import PIXELS, View
+from .views import View
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,14 +69,15 @@ def baked_parts(folder: Path) -> list[Part]:
     return found
 
 
-def judge(parts: list[Part], view: View, sheet: Path) -> dict[str, Figures]:
+def judge(parts: list[Part], view: View, sheet: Path, blocked: Array | None = None) -> dict[str, Figures]:
     """Figures of a view: "all" and by part's name of the bake, and by name of its other pictures.
 
     Writes a sheet: traced, baked, the others; below them twice their difference. Pixels count that are wholly
-    covered, but not where a clear part shows what is behind all parts, which no bake knows.
+    covered, but not where a clear part shows what is behind all parts, which no bake knows, nor where what is
+    not baked is met first: at the distances `blocked` (N,) along the view's rays.
     """
-    seen = light_along(parts, view.rays)
-    mean, owner = resolved(seen.light, seen.first, PIXELS)
+    seen = light_along(parts, view.rays, blocked)
+    mean, owner = resolved(seen.light, seen.first, view.camera.pixels)
     inside = (owner >= 0).all(axis=2)
     shown = np.where(inside[..., None], mean, view.reference)
     whole = eroded(inside)
@@ -105,6 +106,6 @@ def save_overview(sheets: list[Path], path: Path) -> None:
     rows = []
     for sheet in sheets:
         with Image.open(sheet) as image:
-            rows.append(np.asarray(image.crop((0, 0, image.width, PIXELS))))
+            rows.append(np.asarray(image.crop((0, 0, image.width, image.height // 2))))
     if rows:
         Image.fromarray(np.concatenate(rows)).save(path, quality=88)

@@ -34,12 +34,14 @@ _TILTED = 1e-4  # of a matrix's values
 class View:
     """A path-traced picture by a camera, and pictures by other ways under their names.
 
-    All are (PIXELS, PIXELS, 3), linear, rows from the top.
+    All are square, of the camera's pixels, (P, P, 3), linear, rows from the top. `subsamples` along a pixel's
+    side are looked up.
     """
 
     camera: Camera
     reference: Picture
     others: dict[str, Picture] = field(default_factory=dict)
+    subsamples: int = SUBSAMPLES
 
     @property
     def name(self) -> str:
@@ -49,7 +51,7 @@ class View:
     @property
     def rays(self) -> CameraRays:
         """Of its pixels."""
-        return rays_of(self.camera, SUBSAMPLES)
+        return rays_of(self.camera, self.subsamples)
 
 
 def rays_of(camera: Camera, subsamples: int) -> CameraRays:
@@ -59,8 +61,8 @@ def rays_of(camera: Camera, subsamples: int) -> CameraRays:
     return CameraRays.of_camera(matrix[:3, 3], matrix[:3, :3], half, camera.pixels, subsamples)
 
 
-def scene_cameras() -> list[Camera]:
-    """The open scene's cameras whose name begins with "view", in order of names.
+def scene_cameras(pixels: int = PIXELS) -> list[Camera]:
+    """The open scene's cameras whose name begins with "view", in order of names, for so many pixels a side.
 
     Raises InputError for one whose head is tilted, which not every program could follow, and without any.
     """
@@ -68,23 +70,23 @@ def scene_cameras() -> list[Camera]:
     items = [item for item in scene.objects if item.type == "CAMERA" and item.name.startswith("view")]
     if not items:
         raise InputError("the scene has no camera whose name begins with 'view': add view0, view1 and so on")
-    return [_camera(item) for item in sorted(items, key=lambda item: str(item.name))]
+    return [_camera(item, pixels) for item in sorted(items, key=lambda item: str(item.name))]
 
 
-def _camera(item: Any) -> Camera:
+def _camera(item: Any, pixels: int) -> Camera:
     matrix = np.array(item.matrix_world, dtype=np.float64)
     half = item.data.sensor_width / 2 / item.data.lens
-    found = _towards(item.name, matrix[:3, 3], -matrix[:3, 2], half)
+    found = _towards(item.name, matrix[:3, 3], -matrix[:3, 2], half, pixels)
     if np.abs(np.array(found.matrix) - matrix).max() > _TILTED:
         raise InputError(f"camera {item.name} is tilted or scaled: level its head, and apply its scale")
     return found
 
 
-def _towards(name: str, place: Array, away: Array, half: float) -> Camera:
+def _towards(name: str, place: Array, away: Array, half: float, pixels: int) -> Camera:
     """A camera at `place` that looks along `away`; `half`: the tangent of half its angle of view."""
     x, y, z = place.tolist()
     to_x, to_y, to_z = (place + away).tolist()
-    return Camera(name, (x, y, z), (to_x, to_y, to_z), degrees(2 * atan(half)), PIXELS)
+    return Camera(name, (x, y, z), (to_x, to_y, to_z), degrees(2 * atan(half)), pixels)
 
 
 def nearer(camera: Camera, name: str, away: Array, distance: float, width: float) -> Camera:
@@ -94,19 +96,23 @@ def nearer(camera: Camera, name: str, away: Array, distance: float, width: float
     """
     half = tan(radians(camera.fovy) / 2)
     place = np.array(camera.place) + away * max(distance - width / 2 / half, 0)
-    return _towards(name, place, away, half)
+    return _towards(name, place, away, half, camera.pixels)
 
 
 @dataclass(frozen=True)
 class Pictures:
-    """Pictures of a saved scene, which is open, kept in `folder`: none is rendered twice."""
+    """Pictures of a saved scene, which is open, kept in `folder`: none is rendered twice.
+
+    A path-traced pixel takes `samples`.
+    """
 
     scene: Path
     folder: Path
+    samples: int = SAMPLES
 
     def traced(self, camera: Camera) -> Picture:
         """By Cycles."""
-        return self._kept(camera, "cycles", _set_up_cycles)
+        return self._kept(camera, "cycles", self._set_up_cycles)
 
     def by_eevee(self, camera: Camera, objects: list[str]) -> Picture:
         """By Eevee, as an artist sets it up for the asset, which is of these objects.
@@ -117,8 +123,8 @@ class Pictures:
         docs/results.md worse.
         """
 
-        def set_up_probe(scene: Any, camera: Any) -> None:
-            _set_up_eevee(scene)
+        def set_up_probe(scene: Any, pixels: int) -> None:
+            _set_up_eevee(scene, pixels)
             _add_probe(scene, objects)
 
         return self._kept(camera, "eevee with a probe, unclamped", set_up_probe)
@@ -130,8 +136,9 @@ class Pictures:
         Lamps are not in it, but the light that they give is.
         """
 
-        def set_up_panorama(scene: Any, camera: Any) -> None:
-            _set_up_cycles(scene, camera)
+        def set_up_panorama(scene: Any, pixels: int) -> None:
+            self._set_up_cycles(scene, pixels)
+            camera = scene.camera
             scene.cycles.samples = samples
             scene.render.resolution_x, scene.render.resolution_y = 2 * height, height
             camera.data.type = "PANO"
@@ -145,15 +152,22 @@ class Pictures:
         camera = Camera("probe", (x, y, z), (x + 1, y, z), 90.0, height)
         return self._kept(camera, f"around {sorted(hidden)} {samples}", set_up_panorama)
 
+    def _set_up_cycles(self, scene: Any, pixels: int) -> None:
+        scene.render.engine = "CYCLES"
+        scene.render.resolution_x = scene.render.resolution_y = pixels
+        scene.render.resolution_percentage = 100
+        scene.render.image_settings.file_format = "OPEN_EXR"
+        scene.cycles.samples, scene.cycles.use_denoising, scene.cycles.seed = self.samples, True, 7
+
     def _kept(self, camera: Camera, way: str, set_up_scene: Any) -> Picture:
-        facts = json.dumps([asdict(camera), way, SAMPLES, EEVEE_SAMPLES, bpy.app.version_string])
+        facts = json.dumps([asdict(camera), way, self.samples, EEVEE_SAMPLES, bpy.app.version_string])
         digest = hashlib.sha256(self.scene.read_bytes() + facts.encode()).hexdigest()[:12]
         file = self.folder / f"{camera.name}-{way.split(maxsplit=1)[0]}-{digest}.exr"
         if not file.exists():
             bpy.ops.wm.open_mainfile(filepath=str(self.scene))
             scene: Any = bpy.context.scene
             scene.camera = _placed(scene, camera)
-            set_up_scene(scene, scene.camera)
+            set_up_scene(scene, camera.pixels)
             beside = file.with_name("rendering.exr")
             scene.render.filepath = str(beside)
             bpy.ops.render.render(write_still=True)
@@ -173,16 +187,8 @@ def _placed(scene: Any, camera: Camera) -> Any:
     return item
 
 
-def _set_up_cycles(scene: Any, camera: Any) -> None:
-    scene.render.engine = "CYCLES"
-    scene.render.resolution_x = scene.render.resolution_y = PIXELS
-    scene.render.resolution_percentage = 100
-    scene.render.image_settings.file_format = "OPEN_EXR"
-    scene.cycles.samples, scene.cycles.use_denoising, scene.cycles.seed = SAMPLES, True, 7
-
-
-def _set_up_eevee(scene: Any) -> None:
-    set_up(scene, PIXELS, EEVEE_SAMPLES)
+def _set_up_eevee(scene: Any, pixels: int) -> None:
+    set_up(scene, pixels, EEVEE_SAMPLES)
     scene.eevee.use_shadows = True
     scene.eevee.clamp_surface_direct = scene.eevee.clamp_surface_indirect = (
         0  # or a lamp's mirror image is dull

@@ -13,7 +13,7 @@ are missing. Rows run from the top.
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, cast
 
@@ -119,17 +119,22 @@ def _rays(camera: bpy.types.Object, subsamples: int = SUBSAMPLES) -> CameraRays:
 
 def blockers(stage: Stage) -> BVHTree:
     """All that a camera sees but the subject, in world space."""
+    items = cast(bpy.types.Scene, bpy.context.scene).objects
+    return tree_of([item for item in items if item.type == "MESH" and item != stage.subject])
+
+
+def tree_of(items: Sequence[bpy.types.Object]) -> BVHTree:
+    """The surfaces of objects, curves and texts among them, in world space."""
     graph = bpy.context.evaluated_depsgraph_get()
     places: list[Any] = []
     faces: list[tuple[int, ...]] = []
-    for item in cast(bpy.types.Scene, bpy.context.scene).objects:
-        if item.type != "MESH" or item == stage.subject:
-            continue
+    for item in items:
         shown: Any = item.evaluated_get(graph)
-        mesh = shown.data
+        mesh = shown.to_mesh()
         start = len(places)
         places += [shown.matrix_world @ vertex.co for vertex in mesh.vertices]
         faces += [tuple(start + index for index in face.vertices) for face in mesh.polygons]
+        shown.to_mesh_clear()
     return cast(BVHTree, BVHTree.FromPolygons(places, faces))
 
 

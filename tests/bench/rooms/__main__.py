@@ -1,0 +1,157 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How faithful are rooms? Bake all that is in them with the defaults, and compare with path tracing.
+
+    python -m tests.bench.rooms --scene living --out DIR          or gallery; or "seed 3"; or a .blend
+    python -m tests.bench.rooms --scene living --scene gallery --out DIR -- --samples 8
+    python -m tests.bench.rooms --scene living --baked FOLDER --out DIR           what is baked already
+    python -m tests.bench.rooms … --objects Floor,Mirror          these alone
+
+Prints a table of the views, the worst first, of the objects, the worst first, and what the bake cost. Leaves
+figures.json, a sheet of pictures for each view (traced, baked, others; differences below) and an overview
+below DIR. What no bake shows counts in no figure. What follows -- goes to the bake.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from dataclasses import asdict
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import bpy
+import numpy as np
+
+from ..assets.judging import Figures, baked_parts, judge, save_overview
+from ..assets.views import PIXELS, Pictures, View, scene_cameras
+from ..fidelity.references import distances, tree_of
+from .baking import bake, kept_costs, rendered, room_file, written
+
+SAMPLES = 512  # of a path-traced pixel, denoised
+SUBSAMPLES = 2  # along a pixel's side
+_SURFACES = ("MESH", "CURVE", "FONT", "META", "SURFACE")
+_BAKED = "all"
+
+
+def main() -> None:
+    """Build or open the rooms, bake, judge, print."""
+    options, more = _options()
+    options.out.mkdir(parents=True, exist_ok=True)
+    for name in options.scene:
+        room = Path(name).stem.replace(" ", "-")
+        folder = options.out / room
+        folder.mkdir(exist_ok=True)
+        record = judged_room(name, folder, options, more)
+        (folder / "figures.json").write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
+        print_room(room, record)
+
+
+def judged_room(name: str, folder: Path, options: argparse.Namespace, more: list[str]) -> dict[str, Any]:
+    """Bake a room unless it is baked, judge its views, and tell all figures, ready for JSON."""
+    kept = options.references or folder
+    kept.mkdir(parents=True, exist_ok=True)
+    scene = room_file(name, kept)
+    bpy.ops.wm.open_mainfile(filepath=str(scene))
+    bakes = options.baked or folder / "bake"
+    if options.baked is None:
+        bake(scene, options.objects or [item.name for item in rendered()], bakes, more)
+    views = _views(Pictures(scene, kept, options.samples), options)
+    parts = baked_parts(bakes)
+    facts = written(parts)
+    named = {part.name for part in parts}
+    others = [item for item in rendered(_SURFACES) if item.name not in named]
+    beside = tree_of(others) if others else None
+    figures: dict[str, dict[str, Figures]] = {}
+    for view in views:
+        started = perf_counter()
+        blocked = None if beside is None else distances(beside, view.rays)
+        figures[view.name] = judge(parts, view, folder / f"{view.name}.png", blocked)
+        print(f"{view.name} looked up in {perf_counter() - started:.0f} s", file=sys.stderr, flush=True)
+    save_overview([folder / f"{view.name}.png" for view in views], folder / "views.jpg")
+    costs = kept_costs(bakes)
+    return {
+        "views": {view: {one: _told(of) for one, of in found.items()} for view, found in figures.items()},
+        "others": list(views[0].others),
+        "objects": len(parts),
+        "written": asdict(facts),
+        "costs": None if costs is None else asdict(costs),
+    }
+
+
+def _views(pictures: Pictures, options: argparse.Namespace) -> list[View]:
+    """Of the scene's cameras, as Cycles sees them."""
+    cameras = scene_cameras(options.pixels)
+    if options.views:
+        cameras = [camera for camera in cameras if camera.name in options.views]
+    return [View(camera, pictures.traced(camera), subsamples=options.subsamples) for camera in cameras]
+
+
+def _told(figures: Figures) -> dict[str, float | None]:
+    return {key: None if np.isnan(value) else round(value, 4) for key, value in asdict(figures).items()}
+
+
+def print_room(room: str, record: dict[str, Any]) -> None:
+    """Print tables of a room's views and objects, the worst first, and what its bake cost."""
+    ways = [_BAKED, *record["others"]]
+    print(f"\n| {room} | way | dB | FLIP | energy |\n|---|---|---|---|---|")
+    for view, found in sorted(record["views"].items(), key=lambda one: float(one[1][_BAKED]["psnr"])):
+        for way in ways:
+            one = found[way]
+            print(f"| {view} | {way} | {one['psnr']:.2f} | {one['flip']:.3f} | {one['energy']:.3f} |")
+    for way in ways:
+        means = [
+            float(np.mean([found[way][field] for found in record["views"].values()]))
+            for field in ("psnr", "flip", "energy")
+        ]
+        print(f"| mean | {way} | {means[0]:.2f} | {means[1]:.3f} | {means[2]:.3f} |")
+    print(f"\n| object of {room} | worst view, dB | mean dB | views |\n|---|---|---|---|")
+    objects: dict[str, list[float]] = {}
+    for found in record["views"].values():
+        for name, one in found.items():
+            if name not in ways:
+                objects.setdefault(name, []).append(float(one["psnr"]))
+    for name, values in sorted(objects.items(), key=lambda one: min(one[1])):
+        print(f"| {name} | {min(values):.1f} | {np.mean(values):.1f} | {len(values)} |")
+    wrote, costs = record["written"], record["costs"]
+    size = f"{record['objects']} objects, {wrote['atlases']} atlases, {wrote['draw_calls']} draw calls"
+    print(f"\n{size}, {wrote['megabytes']:.1f} MB")
+    if costs:
+        print(
+            f"baked in {costs['wall'] / 60:.1f} minutes, {costs['processor'] / 60:.1f} of the processor, "
+            f"{costs['memory']:.0f} MB at most"
+        )
+
+
+def _options() -> tuple[argparse.Namespace, list[str]]:
+    mine, more = sys.argv[1:], []
+    if "--" in mine:
+        mine, more = mine[: mine.index("--")], mine[mine.index("--") + 1 :]
+    parser = argparse.ArgumentParser(
+        prog="python -m tests.bench.rooms",
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+
+    def names(text: str) -> list[str]:
+        return text.split(",")
+
+    parser.add_argument("--scene", action="append", required=True, metavar="living|gallery|FILE|'seed N'")
+    parser.add_argument("--objects", type=names, default=[], help="bake these alone")
+    parser.add_argument("--views", type=names, default=[], help="judge these alone, such as view0,view3")
+    parser.add_argument("--baked", type=Path, help="the folder of bakes that are there, with previews")
+    parser.add_argument("--pixels", type=int, default=PIXELS, help="of a picture's side")
+    parser.add_argument("--samples", type=int, default=SAMPLES, help="of a path-traced pixel")
+    parser.add_argument("--subsamples", type=int, default=SUBSAMPLES, help="looked up along a pixel's side")
+    parser.add_argument("--references", type=Path, help="where scenes and path-traced pictures are kept")
+    parser.add_argument("--out", type=Path, required=True)
+    options = parser.parse_args(mine)
+    if options.baked and len(options.scene) > 1:
+        parser.error("--baked wants one --scene")
+    return options, more
+
+
+if __name__ == "__main__":
+    main()
