@@ -286,7 +286,7 @@ def prepare(
     shapes, evaluated = all_once(shapes, distinct), all_once(evaluated, distinct)
     chosen = chosen_once(chosen, distinct)
     if backs:
-        doubled = yield from find_two_sided(evaluated, spec.uv_layer is None and spec.source is None)
+        doubled = yield from find_two_sided(scratch, originals, evaluated, spec)
         shapes, evaluated = all_with_twins(shapes, doubled), all_with_twins(evaluated, doubled)
         chosen = chosen_with_twins(chosen, doubled)
     yield Progress(Stage.UNWRAP, 0, 1)
