@@ -23,7 +23,8 @@ from ..scene.mesh.copy import baked_mesh
 from ..scene.mesh.evaluated import EvaluatedMesh
 from ..scene.mesh.mesh_parts import taken
 from ..scene.mesh.needless_backs import needless_backs
-from ..scene.mesh.scene_rays import read_things, thing_of
+from ..scene.mesh.render_contents import Shape
+from ..scene.mesh.scene_rays import Thing, read_things
 from ..scene.units import metres_per_unit
 from ..settings.choices import Backs
 from ..settings.spec import BakeSpec
@@ -163,11 +164,12 @@ def seen_backs(
         seen.append(faces)
     if backs is Backs.ALL or not any(faces.any() for faces in seen):
         return seen, []
-    around, baked = read_things(scratch, originals), [thing_of(mesh) for mesh in meshes]
+    around = read_things(scratch, originals)
+    baked = [Thing.of(Shape(mesh.position, mesh.triangles), mesh.matrix_world, {}) for mesh in meshes]
     found, left_out = [], []
     for number, (mesh, faces) in enumerate(zip(meshes, seen, strict=True)):
         others = [*around, *baked[:number], *baked[number + 1 :]]
-        needless = yield from needless_backs(mesh, faces, others, baked[number], 1 / metres_per_unit(scratch))
+        needless = yield from needless_backs(baked[number], faces, others, 1 / metres_per_unit(scratch))
         found.append(faces & ~needless)
         if needless.any():
             left_out.append(mesh.name)

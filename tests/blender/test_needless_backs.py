@@ -7,7 +7,6 @@ from __future__ import annotations
 from typing import Any
 
 import bpy
-import numpy as np
 import pytest
 
 from radtex_addon.bake.progress import finished
@@ -16,60 +15,9 @@ from radtex_addon.scene.mesh.evaluated import evaluate
 from radtex_addon.scene.scratch import scratch_scene
 from radtex_addon.settings.choices import Backs
 from tests.blender import stage
+from tests.blender.plane_room import HIGH, LONG, WALLS, box, card, furniture, walls
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
-
-_LONG, _HIGH = 4.0, 2.5
-WALLS = ("Floor", "Ceiling", "West", "East", "South", "North")
-_PLACES = {
-    "Floor": ((0, 0, 0), (0, 0, 1)),
-    "Ceiling": ((0, 0, _HIGH), (0, 0, -1)),
-    "West": ((-_LONG / 2, 0, _HIGH / 2), (1, 0, 0)),
-    "East": ((_LONG / 2, 0, _HIGH / 2), (-1, 0, 0)),
-    "South": ((0, -_LONG / 2, _HIGH / 2), (0, 1, 0)),
-    "North": ((0, _LONG / 2, _HIGH / 2), (0, -1, 0)),
-}
-
-
-def card(name: str, place: Any, normal: Any, size: tuple[float, float]) -> Any:
-    """A single plane that faces along one of the axes: as wide as `size` across, and as high."""
-    normal = np.array(normal, dtype=np.float64)
-    up = np.array((0, 1, 0)) if normal[2] else np.array((0, 0, 1))
-    along = np.cross(up, normal)
-    corners = [(-1, -1), (1, -1), (1, 1), (-1, 1)]
-    mesh = bpy.data.meshes.new(name)
-    mesh.from_pydata(
-        [tuple(np.array(place) + (x * size[0] * along + y * size[1] * up) / 2) for x, y in corners],
-        [],
-        [(0, 1, 2, 3)],
-    )
-    item = bpy.data.objects.new(name, mesh)
-    context.scene.collection.objects.link(item)
-    return item
-
-
-def box(name: str, place: Any, size: Any) -> Any:
-    bpy.ops.mesh.primitive_cube_add(size=1, location=place)
-    item = context.object
-    item.name, item.scale = name, size
-    context.view_layer.update()
-    return item
-
-
-def walls(without: tuple[str, ...] = (), turned: bool = False, scale: float = 1.0) -> None:
-    """A room of single planes that face inwards, or `turned` outwards."""
-    for name in (name for name in WALLS if name not in without):
-        place, normal = _PLACES[name]
-        size = (_LONG, _LONG if normal[2] else _HIGH)
-        item = card(name, scale * np.array(place), normal, (scale * size[0], scale * size[1]))
-        if turned:
-            item.data.flip_normals()
-
-
-def furniture() -> None:
-    box("Table", (0.5, 0.3, 0.4), (1.2, 0.8, 0.8))
-    card("Rug", (-0.8, 0, 0.004), (0, 0, 1), (1.5, 1.5))
-    card("Mirror", (-_LONG / 2 + 0.01, 0, 1.5), (1, 0, 0), (1, 0.8))
 
 
 def kept(*names: str, backs: Backs = Backs.AUTO) -> dict[str, float]:
@@ -112,7 +60,7 @@ def test_between_two_rooms_no_camera_can_be() -> None:
     first = [bpy.data.objects[name] for name in WALLS]
     for item in first:
         other = item.copy()
-        other.location.x += _LONG + 0.15
+        other.location.x += LONG + 0.15
         context.scene.collection.objects.link(other)
     context.view_layer.update()
     assert kept("East", "East.001", "West.001") == {"East": 0.0, "East.001": 0.0, "West.001": 0.0}
@@ -126,9 +74,9 @@ def test_walls_that_a_camera_in_a_garden_sees_keep_their_backs() -> None:
 
 def test_furniture_of_sheets_keeps_its_backs() -> None:
     walls()
-    card("Curtain", (0, -_LONG / 2 + 0.3, 1.2), (0, 1, 0), (2, 2))
+    card("Curtain", (0, -LONG / 2 + 0.3, 1.2), (0, 1, 0), (2, 2))
     card("Leaf", (0.5, 0.5, 1), (0, 0, 1), (0.2, 0.1))
-    card("Leaning", (0, _LONG / 2 - 0.2, 1), (0, -1, 0), (0.5, 1))
+    card("Leaning", (0, LONG / 2 - 0.2, 1), (0, -1, 0), (0.5, 1))
     assert kept("Curtain", "Leaf", "Leaning") == {"Curtain": 1.0, "Leaf": 1.0, "Leaning": 1.0}
 
 
@@ -173,9 +121,9 @@ def test_what_lies_within_something_closed_has_no_back() -> None:
 
 def test_a_pane_of_glass_hides_nothing() -> None:
     walls(without=("North",))
-    pane = card("Pane", (0, _LONG / 2, _HIGH / 2), (0, -1, 0), (_LONG, _HIGH))
+    pane = card("Pane", (0, LONG / 2, HIGH / 2), (0, -1, 0), (LONG, HIGH))
     pane.data.materials.append(stage.material("Glass", "ShaderNodeBsdfGlass"))
-    card("Sheet", (0, _LONG / 2 - 0.001, 1), (0, -1, 0), (1, 1))
+    card("Sheet", (0, LONG / 2 - 0.001, 1), (0, -1, 0), (1, 1))
     card("Garden", (0, 20, 0), (0, 0, 1), (40, 35))
     assert kept("Sheet") == {"Sheet": 1.0}, "seen from outside, through the pane"
 

@@ -9,14 +9,15 @@ not of half of it. A region's back is needless
 
 * if something lies right behind it: rays from it end within a hair, measured along its normal, or inside what
   is closed, as those of a mirror on a wall, of a rug, of a plane within a wall of a thickness of its own;
-* or if rays from it end so, leave the scene, or meet other backs alone, and its front faces the inside of a
-  room: rays from its front end, and from the middles of their ways rays in all directions end, too, a fifth
-  of them no nearer than a metre, and some at other objects.
+* or if nearly all rays from it end so, leave the scene, or meet other backs, and its front faces the inside
+  of a room: rays from its front end, and from the middles of their ways rays in all directions end, too, a
+  fifth of them no nearer than a metre, and some at other objects.
 
-It is kept if some of its rays meet a front side that is farther than a hair: a camera between the two sees
-both. So it is for a leaf above ground, and for a wall with a garden. It is kept, too, of what stands in the
-open, whatever lies below it: a bowl, a flag, a ground, a roof without walls. Which way a room's planes face
-does not matter: if their backs look inwards, their fronts see no inside, and the backs are kept.
+It is kept if more of its rays meet front sides that are farther than a hair: a camera between the two sees
+both. So it is for a leaf above ground, and for a wall with a garden, but not with the rim of the room's own
+floor. It is kept, too, of what stands in the open, whatever lies below it: a bowl, a flag, a ground, a roof
+without walls. Which way a room's planes face does not matter: if their backs look inwards, their fronts see
+no inside, and the backs are kept.
 """
 
 from __future__ import annotations
@@ -30,40 +31,33 @@ from ...core.arrays import Bools, Floats, Ints
 from ...core.frame import normalised
 from ...core.islands import areas_on_surface, weld
 from ...core.surface import inner_edges, ray_offset
-from .evaluated import EvaluatedMesh
 from .face_rays import regions
-from .scene_rays import Met, Thing, cast_rays
+from .scene_rays import Met, Thing, cast_rays, extent_of
 
 _RAYS = 8_000  # in total from the backs of a mesh, and as many from its fronts …
 _LEAST, _MOST = 64, 512  # … and from a region; the largest regions are judged, as far as the rays go
 _SHARP = 40  # degrees between neighbours, from which on they are of two regions
-_HAIR = 0.004  # times the scene's size, in which the back of what lies on something is …
+HAIR = 0.004  # times the scene's size, in which the back of what lies on something is …
 _OWN_HAIR = 0.03  # … and times the region's own size, if that is less
 _OFF = 0.05  # times a bake's ray offset: how far off a triangle rays start
-_FEW = 0.02  # share of rays that may end elsewhere
+_FEW = 0.02  # share of rays from a needless back that may end otherwise …
+_STRIP = 0.1  # … and of those from the outside of a room, that may end at front sides
 _WINDOWS = 0.25  # share of rays in a room that may leave it
 _FAR = 0.2  # share of them that goes on for a metre, as no ray does in a vase …
 _OTHERS = 0.02  # … and that ends at other objects
 
 
-def needless_backs(
-    mesh: EvaluatedMesh, seen: Bools, others: Sequence[Thing], own: Thing, room: float
-) -> Steps[Bools]:
-    """Which of the triangles `seen` (F,) from behind are so from no place where a camera can be: (F,).
+def needless_backs(own: Thing, seen: Bools, others: Sequence[Thing], room: float) -> Steps[Bools]:
+    """Which of a thing's triangles `seen` (F,) from behind are so from no place where a camera can be: (F,).
 
-    `others` are the scene's other things, `own` is the mesh as one; `room` is a metre, in scene units. Yields
-    progress.
+    `others` are the scene's other things; `room` is a metre, in scene units. Yields progress.
     """
     needless = np.zeros_like(seen)
     if not others or not seen.any():
         return needless
-    position = mesh.world_position
-    triangles = mesh.triangles[:, ::-1] if mesh.mirrored else mesh.triangles
+    position, triangles = own.position, own.triangles
     label, area = _labels(position, triangles, seen), areas_on_surface(position, triangles)
-    scene = np.linalg.norm(
-        np.max([thing.high for thing in [*others, own]], axis=0)
-        - np.min([thing.low for thing in [*others, own]], axis=0)
-    )
+    scene = extent_of([own, *others])
     random = np.random.default_rng(0)
     labels = _judged(label[seen], area[seen])
     for done, (number, rays) in enumerate(labels):
@@ -71,7 +65,7 @@ def needless_backs(
         faces = np.flatnonzero(seen & (label == number))
         corners = position[triangles[faces]]
         size = float(np.linalg.norm(np.ptp(corners, axis=(0, 1))))
-        hair = min(_HAIR * float(scene), _OWN_HAIR * size)
+        hair = min(HAIR * scene, _OWN_HAIR * size)
         sent = _Sent.of(corners, area[faces], rays, _OFF * ray_offset(position), random)
         needless[faces] = _is_needless(sent, [own, *others], hair, room, random)
     return needless
@@ -121,9 +115,9 @@ def _is_needless(
     """Whether no camera can be where rays from the back go; the first of the `things` is the mesh itself."""
     met, deep = sent.back(things)
     blocked = met.solid | (deep < hair) | sent.covered(things[1:])
-    if (met.front & ~blocked).mean() > _FEW:
-        return False
-    return bool((~blocked).mean() <= _FEW) or _faces_inside(sent, things, room, random)
+    if (~blocked).mean() <= _FEW:
+        return True
+    return bool((met.front & ~blocked).mean() <= _STRIP) and _faces_inside(sent, things, room, random)
 
 
 def _faces_inside(sent: _Sent, things: Sequence[Thing], room: float, random: np.random.Generator) -> bool:
