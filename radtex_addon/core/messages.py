@@ -22,6 +22,7 @@ class Setting(StrEnum):
     ACCUMULATE = "accumulating"
     AO_DISTANCE = "distance of ambient occlusion"
     ARRANGEMENT = "arrangement"
+    BACKS = "backs"
     BUCKET = "cells"
     CAGE = "cage"
     CAPTURE = "capture method"

@@ -91,6 +91,16 @@ def edge_keys(vertex: Ints) -> Keys:
     return keys.reshape(-1)
 
 
+def is_closed(vertex: Ints) -> bool:
+    """Whether triangles (F, 3) run along each edge as often one way as the other: none has an open side."""
+    turns = np.where(vertex < np.roll(vertex, -1, axis=1), 1, -1).reshape(-1)
+    keys = edge_keys(vertex)
+    order = np.argsort(keys)
+    first = np.flatnonzero(np.diff(keys[order], prepend=keys[order[0]] + np.uint64(1)))
+    apart = (vertex != np.roll(vertex, -1, axis=1)).reshape(-1)
+    return not np.add.reduceat((turns * apart)[order], first).any()
+
+
 def patches(vertex: Ints, place: Floats, most: int) -> Iterator[tuple[Ints, Ints]]:
     """Cut triangles with vertex indices `vertex` (F, 3) into patches: yields (own, whole).
 

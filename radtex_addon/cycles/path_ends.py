@@ -40,6 +40,12 @@ class Body:
     matrix: Floats
 
     @property
+    def shape(self) -> Shape:
+        """The mesh's faces, which are triangles."""
+        corner = values_in(self.mesh.loops, "vertex_index", 1, np.int32)
+        return Shape(values_in(self.mesh.vertices, "co", 3), corner.reshape(-1, 3))
+
+    @property
     def places(self) -> Floats:
         """The mesh's vertices in world space, (V, 3) float64."""
         place = values_in(self.mesh.vertices, "co", 3).astype(np.float64)

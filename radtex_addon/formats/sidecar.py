@@ -94,6 +94,8 @@ class Sidecar:
     baked, None if unknown. `marks`: keys that are there, and true, such as "alone" (`settings.option.Mark`).
     `blend` is the name of the .blend that was baked, without its folder, empty if it was never saved.
     `texel_weights` is the vertex group that told the unwrap where more or fewer texels go, empty if none did.
+    `backs` says which faces that are seen from behind could get texels of their own, empty if none could or
+    that is not known.
     """
 
     object_name: str
@@ -127,6 +129,7 @@ class Sidecar:
     marks: tuple[str, ...] = ()
     blend: str = ""
     texel_weights: str = ""
+    backs: str = ""
 
     @property
     def surfaces(self) -> tuple[str, ...]:
@@ -179,6 +182,7 @@ class Sidecar:
             "coverage": self.coverage,
             "texel_density": density and {"asked": density.asked, "reached": density.reached},
             "texel_weights": self.texel_weights or None,
+            "backs": self.backs or None,
             "wasteful": self.wasteful or None,
             "blend": self.blend or None,
             "content": content and {"collection": content.collection, "objects": list(content.objects)},
@@ -238,6 +242,7 @@ class Sidecar:
             marks=tuple(key for key, value in facts.values.items() if value is True and key != "denoised"),
             blend=blend_in(facts),
             texel_weights=facts.text("texel_weights") if "texel_weights" in facts.values else "",
+            backs=facts.text("backs") if "backs" in facts.values else "",
         )
 
 

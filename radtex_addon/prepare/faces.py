@@ -17,11 +17,17 @@ from ..core.arrays import Bools, Floats, Ints
 from ..core.errors import InputError
 from ..core.islands import areas_on_surface, weld
 from ..core.mesh_faults import overlaid, repeated, turned_share
-from ..core.messages import Message, do
+from ..core.messages import Message, Setting, do
 from ..scene.mesh.backs import fronts_of, seen_from_behind_steps, with_twins, without_twins
 from ..scene.mesh.copy import baked_mesh
 from ..scene.mesh.evaluated import EvaluatedMesh
 from ..scene.mesh.mesh_parts import taken
+from ..scene.mesh.needless_backs import needless_backs
+from ..scene.mesh.render_contents import Shape
+from ..scene.mesh.scene_rays import Thing, read_things
+from ..scene.units import metres_per_unit
+from ..settings.choices import Backs
+from ..settings.spec import BakeSpec
 
 log = logging.getLogger(__name__)
 
@@ -105,25 +111,69 @@ def _welded(mesh: EvaluatedMesh) -> tuple[Floats, Ints]:
     return place, number[mesh.triangles]
 
 
-def find_two_sided(meshes: Sequence[EvaluatedMesh], twins: bool) -> Steps[list[TwoSided]]:
+def find_two_sided(
+    scratch: bpy.types.Scene,
+    originals: Sequence[bpy.types.Object],
+    meshes: Sequence[EvaluatedMesh],
+    spec: BakeSpec,
+) -> Steps[list[TwoSided]]:
     """Of each mesh, the triangles (F,) that are seen from behind and get a twin; None if there are none.
 
-    With `twins` false they cannot have texels of their own: none gets one, and a warning is logged. Yields
-    progress.
+    The `meshes` are those of the scratch scene's `originals`. In a UV layer of the user's own, or with a
+    source, they cannot have texels of their own: none gets one, and a warning is logged. Another one tells
+    whose backs are left out since no camera can see them. Yields progress.
     """
-    found: list[TwoSided] = []
-    for mesh in meshes:
-        faces = yield from seen_from_behind_steps(mesh)
-        seen = np.count_nonzero(faces)
-        found.append(faces if seen and twins else None)
-        if seen and not twins:
+    seen, left_out = yield from seen_backs(scratch, originals, meshes, spec.backs)
+    if left_out:
+        names = ", ".join(f"'{name}'" for name in left_out)
+        log.warning(
+            Message(
+                f"no camera can see the backs of {names}, which face the outside of a room or lie on "
+                "something: they get no texels",
+                (do("bake them", Setting.BACKS, value=Backs.ALL),),
+            )
+        )
+    if spec.uv_layer is None and spec.source is None:
+        return [faces if faces.any() else None for faces in seen]
+    for mesh, faces in zip(meshes, seen, strict=True):
+        if faces.any():
             log.warning(
                 "%d triangles of '%s' can be seen from behind, and look there as from the front: "
                 "their backs have no texels in a UV layer of your own or with a source",
-                seen,
+                np.count_nonzero(faces),
                 mesh.name,
             )
-    return found
+    return [None] * len(meshes)
+
+
+def seen_backs(
+    scratch: bpy.types.Scene,
+    originals: Sequence[bpy.types.Object],
+    meshes: Sequence[EvaluatedMesh],
+    backs: Backs,
+) -> Steps[tuple[list[Bools], list[str]]]:
+    """Of each mesh the triangles (F,) whose backs are to be baked, and names of those that lost some.
+
+    The `meshes` are those of the scratch scene's `originals`; `backs` chooses. Yields progress.
+    """
+    if backs is Backs.NONE:
+        return [np.zeros(len(mesh.triangles), dtype=bool) for mesh in meshes], []
+    seen = []
+    for mesh in meshes:
+        faces = yield from seen_from_behind_steps(mesh)
+        seen.append(faces)
+    if backs is Backs.ALL or not any(faces.any() for faces in seen):
+        return seen, []
+    around = read_things(scratch, originals)
+    baked = [Thing.of(Shape(mesh.position, mesh.triangles), mesh.matrix_world, {}) for mesh in meshes]
+    found, left_out = [], []
+    for number, (mesh, faces) in enumerate(zip(meshes, seen, strict=True)):
+        others = [*around, *baked[:number], *baked[number + 1 :]]
+        needless = yield from needless_backs(baked[number], faces, others, 1 / metres_per_unit(scratch))
+        found.append(faces & ~needless)
+        if needless.any():
+            left_out.append(mesh.name)
+    return found, left_out
 
 
 def all_with_twins(meshes: Sequence[EvaluatedMesh], doubled: Sequence[TwoSided]) -> list[EvaluatedMesh]:

@@ -55,4 +55,5 @@ def facts_of(
         marks=spec.marks,
         blend=blend,
         texel_weights=spec.texel_weights or "",
+        backs=str(spec.backs) if spec.form.backs else "",
     )

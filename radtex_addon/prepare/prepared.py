@@ -204,11 +204,15 @@ class Prepared:
         self, plan: CapturePlan, texels: TexelMap, folder: Path, store: PieceStore = NO_STORE
     ) -> Generator[Progress, None, HiddenCells]:
         """Find the hidden cells of a plan of the `texels`: see `find_hidden`."""
-        owner = None
-        if len(self.pieces) > 1:
-            triangle = texels.triangle.ravel()[plan.texel]
-            owner = np.repeat(np.arange(len(self.pieces)), self.counts)[triangle]
+        owner = self.owners(plan, texels) if len(self.pieces) > 1 else None
         return (yield from find_hidden(self.seen, plan, folder, store, owner))
+
+    def owners(self, plan: CapturePlan, texels: TexelMap) -> Ints:
+        """The number of the piece that each of a plan's `texels` lies on, (K,)."""
+        if len(self.pieces) == 1:
+            return np.zeros(len(plan.texel), dtype=np.int64)
+        owner: Ints = np.repeat(np.arange(len(self.pieces)), self.counts)[texels.triangle.ravel()[plan.texel]]
+        return owner
 
     def texels(self, finer: float = 1) -> TexelMap:
         """The points to capture, `finer` times as many along each side; the source's own if there is one."""
@@ -286,7 +290,7 @@ def prepare(
     shapes, evaluated = all_once(shapes, distinct), all_once(evaluated, distinct)
     chosen = chosen_once(chosen, distinct)
     if backs:
-        doubled = yield from find_two_sided(evaluated, spec.uv_layer is None and spec.source is None)
+        doubled = yield from find_two_sided(scratch, originals, evaluated, spec)
         shapes, evaluated = all_with_twins(shapes, doubled), all_with_twins(evaluated, doubled)
         chosen = chosen_with_twins(chosen, doubled)
     yield Progress(Stage.UNWRAP, 0, 1)

@@ -23,7 +23,7 @@ from ..formats.sidecar_file import AnySidecar, SidecarFile, opened, read_facts
 from ..forms import Form, form_in
 from ..forms.form import Alpha, Lookup
 from ..scene.mesh.copy import UV_LAYER
-from ..settings.choices import parse_capture, parse_kind, parse_layout
+from ..settings.choices import Backs, parse_backs, parse_capture, parse_kind, parse_layout
 from ..settings.kinds import DEFAULT_KIND, Kind, is_default_kind
 from ..settings.options import MARKED
 from ..settings.rays import step_to
@@ -70,6 +70,11 @@ class Finished:
         """Whether the bake made its UV layer itself, judging by the layer's name."""
         return self.sidecar.uv_map == UV_LAYER
 
+    @property
+    def backs(self) -> Backs:
+        """Which backs could get texels; all where the bake does not say."""
+        return parse_backs(self.sidecar.backs) if self.sidecar.backs else Backs.ALL
+
     def agreement(self, surface: SurfaceMesh) -> float:
         """How well a surface's UV layer agrees with the gutter of the bake, 0 to 1: `gutter_agreement`."""
         covered = covered_texels(surface, self.sidecar.width, self.sidecar.height)
@@ -93,6 +98,7 @@ class Finished:
             capture=parse_capture(bake.capture),
             uv_layer=None if self.unwrapped else bake.uv_map,
             texel_weights=bake.texel_weights or None,
+            backs=self.backs,
             compression=self.compression or Compression.ZIP,
             device=device,
             source=None if source is None else source.object_name,

@@ -18,14 +18,15 @@ import bpy
 import numpy as np
 
 from ..bake.piece_store import NO_STORE
+from ..bake.progress import finished
 from ..core.arrays import Floats
 from ..core.errors import FormatError, InputError
 from ..core.gutter import LEAST_AGREEMENT
 from ..core.messages import Setting, do
 from ..prepare.detailed import Detailed, read_detailed
-from ..prepare.faces import all_once, find_once
+from ..prepare.faces import all_once, find_once, seen_backs
 from ..prepare.unwrapping import unwrap_mesh
-from ..scene.mesh.backs import seen_from_behind, with_twins
+from ..scene.mesh.backs import with_twins
 from ..scene.mesh.copy import baked_mesh, surface_mesh
 from ..scene.mesh.evaluated import EvaluatedMesh, evaluate
 from ..scene.mesh.materials import write_material_numbers
@@ -68,7 +69,8 @@ def find_mesh(
     evaluated = evaluate(scratch, original, bake.sidecar.texel_weights or None)
     (evaluated,) = all_once([evaluated], [find_once(evaluated)])
     if bake.form.traits.backs and bake.unwrapped:
-        evaluated = with_twins(evaluated, seen_from_behind(evaluated))
+        (seen,), _ = finished(seen_backs(scratch, [original], [evaluated], bake.backs))
+        evaluated = with_twins(evaluated, seen)
     detailed = None
     if bake.form.traits.by_paths:
         detailed = read_detailed(scratch, original, bake.spec(device="cpu"), NO_STORE)

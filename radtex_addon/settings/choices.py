@@ -44,6 +44,14 @@ class Unwrap(StrEnum):
     BLENDER = "blender"
 
 
+class Backs(StrEnum):
+    """Which faces that are seen from behind get texels for their backs, too."""
+
+    AUTO = "auto"  # those whose back a camera can see in the scene
+    ALL = "all"  # those whose back can be seen from outside the mesh
+    NONE = "none"
+
+
 _Choice = TypeVar("_Choice", bound=StrEnum)
 
 
@@ -65,6 +73,11 @@ def parse_layout(text: str) -> Layout:
 def parse_layer(text: str) -> Layer:
     """The layer named by `text`. Raises InputError, with the choices."""
     return parse(Layer, "layer", text)
+
+
+def parse_backs(text: str) -> Backs:
+    """The choice of backs named by `text`. Raises InputError, with the choices."""
+    return parse(Backs, "choice of backs", text)
 
 
 def parse(choices: type[_Choice], word: str, text: str) -> _Choice:

@@ -129,6 +129,19 @@ UNWRAPS = (
     ),
 )
 
+BACKS = (
+    (
+        "auto",
+        "Automatic",
+        (
+            "Those that a camera can see: not the backs of a room's walls, floor and ceiling, nor of what "
+            "lies on something"
+        ),
+    ),
+    ("all", "All", "Those that can be seen from outside of their mesh, wherever it stands"),
+    ("none", "Only Front Sides", "No backs: from behind, faces look as from the front"),
+)
+
 ATLAS_SIZES = (
     ("texels", "Texels", "Each texture has so many texels along its longer side"),
     (

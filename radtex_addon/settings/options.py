@@ -17,10 +17,11 @@ from ..bake.plan import MAX_IMAGE_SIDE, SHEET
 from ..core.messages import Setting
 from ..core.sampler import Filter
 from ..formats.containers.compression import Compression
-from .choices import CaptureMethod, Unwrap, View
+from .choices import Backs, CaptureMethod, Unwrap, View
 from .kinds import DEFAULT_KIND, Kind, Layout, Light
 from .menu_items import (
     ATLAS_SIZES,
+    BACKS,
     COMPRESSIONS,
     CONTENTS,
     KINDS,
@@ -83,6 +84,7 @@ class BakeOptions:
     denoise: bool = False
     alone: bool = False
     texel_weights: str | None = None
+    backs: Backs = Backs.AUTO
 
 
 _DEFAULTS = {each.name: each.default for each in fields(BakeOptions)}
@@ -201,6 +203,14 @@ SURFACE = Section(Fold.SURFACE, (
          "as many as without it, 0 a quarter. Vertices that are not in it have 0.5: assign all with that "
          "weight before you paint",
          added=True),
+    _row("backs", flag="--backs", takes=Backs, word="choice of backs", title="Backs", items=BACKS,
+         called=Setting.BACKS,
+         help="which faces that are seen from behind, such as a leaf's, get texels of their own for their "
+         "backs in the layered layout: auto: those whose backs a camera can see, not the backs of a room's "
+         "walls or of what lies on something; all: those too; none: only front sides have texels",
+         tooltip="Which faces that are seen from behind, such as a leaf's, get texels of their own for their "
+         "backs, where the storage is Layered",
+         applies=lambda kind, _: kind.form is None, added=True),
     _row("padding", flag="--padding", metavar="N", limits=(0, 256), title="Padding", blender={"soft_max": 16},
          preset=True,
          help="texels that the unwrap leaves free between islands",

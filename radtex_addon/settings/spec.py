@@ -80,6 +80,7 @@ class BakeSpec(BakeOptions):
       few per cent of the size. `cage`: an object with the same vertices and faces further out; the search
       starts there and goes as far inwards.
     * `texel_weights`: the objects' vertex group that says where a new unwrap gives more or fewer texels.
+    * `backs`: which faces that are seen from behind get a twin with texels of its own, in forms that do so.
     * `content`: what a proxy shows, a collection's name, `"*"` for everything, or None for what lies inside.
     * `frame`: the frame at which the scene is baked; `unwrap_at`: the frame at which its mesh is unwrapped.
     * `lights`: names of lamps, and of collections with lamps, that alone are lit; "world" is all light that

@@ -23,6 +23,7 @@ from radtex_addon.core.messages import Message
 from radtex_addon.core.sampler import Filter
 from radtex_addon.report.side_by_side import ComparisonSpec
 from radtex_addon.report.viewpoint import Viewpoint
+from radtex_addon.settings.choices import Backs
 from radtex_addon.settings.options import MARKED
 from radtex_addon.settings.spec import BakeSpec, Kind, Layer, Layout, Split, View
 from radtex_addon.textures.export_spec import (
@@ -81,6 +82,7 @@ SPECS = {
     "what is near": BakeSpec(kind=Kind.AO, ao_distance=0.25, device="cpu"),
     "a view": BakeSpec(kind=Kind.TRANSFER, view=View.CAMERA, device="cpu"),
     "a density": BakeSpec(density=1500.5, device="cpu"),
+    "no backs": BakeSpec(backs=Backs.NONE, device="cpu"),
     "painted weights": BakeSpec(texel_weights="-More, here", device="cpu"),
     "a frame": BakeSpec(frame=7, unwrap_at=1, device="cpu"),
     "objects in one atlas": BakeSpec(objects=("--Vase", "Cup"), device="cpu"),

@@ -207,6 +207,7 @@ def test_a_written_name_works_on_this_filesystem(tmp_path: Path) -> None:
         ({"denoised": True, "marks": ("alone",)}, {"denoised", "alone"}),
         ({"texel_density": TexelDensity(64.0, 60.5)}, {"texel_density"}),
         ({"texel_weights": "Mehr"}, {"texel_weights"}),
+        ({"backs": "none"}, {"backs"}),
     ],
 )
 def test_what_is_known_comes_back_and_is_not_told_where_there_is_none(

@@ -18,7 +18,7 @@ from ...bake.progress import Steps, finished
 from ...core.arrays import Bools, Floats, Ints
 from ...core.frame import normalised
 from ...core.islands import areas_on_surface, weld
-from ...core.surface import edge_keys, inner_edges
+from ...core.surface import inner_edges, is_closed
 from .evaluated import EvaluatedMesh, MeshAttribute
 from .face_rays import (
     having_neighbours,
@@ -72,7 +72,7 @@ def seen_from_behind_steps(mesh: EvaluatedMesh) -> Steps[Bools]:
     wanted &= ~_paired(vertex)
     if not wanted.any():
         return wanted
-    few = len(triangles) <= _RAYS and _is_closed(vertex)
+    few = len(triangles) <= _RAYS and is_closed(vertex)
     if few and not (yield from _any_leaves(mesh, tree, area * wanted, _RAYS_IN_CLOSED)):
         return none
     share = yield from _leaving(mesh, tree, area, wanted)
@@ -190,16 +190,6 @@ def _paired(vertex: Ints) -> Bools:
     ways[place, odd.astype(int)] = True
     found: Bools = ways[place].all(axis=1)
     return found
-
-
-def _is_closed(vertex: Ints) -> bool:
-    """Whether triangles (F, 3) run along each edge as often one way as the other: none has an open side."""
-    turns = np.where(vertex < np.roll(vertex, -1, axis=1), 1, -1).reshape(-1)
-    keys = edge_keys(vertex)
-    order = np.argsort(keys)
-    first = np.flatnonzero(np.diff(keys[order], prepend=keys[order[0]] + np.uint64(1)))
-    apart = (vertex != np.roll(vertex, -1, axis=1)).reshape(-1)
-    return not np.add.reduceat((turns * apart)[order], first).any()
 
 
 def _any_leaves(mesh: EvaluatedMesh, tree: BVHTree, area: Floats, rays: int) -> Steps[bool]:

@@ -20,7 +20,7 @@ from .main_panel import Sidebar, drawn
 _BY_HAND = frozenset(
     (
         *("variants", "frames", "layers"),
-        *("atlas_size", "uv_layer", "unwrap", "texel_weights", "padding"),
+        *("atlas_size", "uv_layer", "unwrap", "texel_weights", "backs", "padding"),
         *("together", "atlas_name", "split", "part"),
         *("source", "cage", "extrusion"),
         *("directory", "accumulate", "refresh", "where"),
@@ -154,4 +154,6 @@ def _draw_uv(column: Any, settings: BakeSettings, item: bpy.types.Object | None)
             column.prop_search(settings, "texel_weights", item, "vertex_groups")
         else:
             column.prop(settings, "texel_weights")
+        if OPTIONS["backs"].applies(Kind(settings.kind).traits, form_of(settings)):
+            column.prop(settings, "backs")
         column.prop(settings, "padding")

@@ -23,12 +23,14 @@ from ....core.arrays import Bools, Floats, Ints
 from ....core.texel_map import TexelMap
 from ....cycles.path_ends import Body, path_ends
 from ....cycles.sampling import capture_ends, capture_samples
+from ....prepare.covered_texels import covered_texels
 from ....prepare.prepared import BakedCopy, Prepared
 from ....scene.checks.finite_light import black_bake
 from ....scene.lights.light import is_dark
 from ....scene.mesh.joined import values_in
 from ....scene.mesh.render_contents import matrices_in_renders, top_of_render
 from ....scene.scratch import find_view_layer, scene_copied
+from ....settings.choices import Backs
 from ....settings.layered_times import LayeredTimes
 from ....settings.rays import PROBE_CELLS, PROBES, LayeredRays, coarser, finer
 from ....settings.spec import BakeSpec
@@ -54,6 +56,7 @@ log = logging.getLogger(__name__)
 
 _OUTSIDE = 1.05  # times the object's radius: a sphere around it
 _LEAST_OWN_SIDE = 6
+_COVERED = "covered"  # a piece's name
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,7 +122,8 @@ class _Captures:
         texels, side = prepared.texels(), max(prepared.width, prepared.height)
         probe = plan_capture(texels, PROBE_CELLS)
         hidden = yield from prepared.hidden(probe, texels, folder, self.store)
-        without = probe.texel[hidden.buried]
+        covered = yield from self._covered(probe, texels)
+        without = probe.texel[hidden.buried | (covered & ~(hidden.buried | covered).all())]
         fine, triangle = _plan_and_triangles(prepared.texels(finer(side)))
         coarse = plan_capture(texels, 1, without=without)
         opacity = find_opacity(scratch, bodies, self.clear, coarse, fine, spec.seed, folder, self.store)
@@ -177,6 +181,16 @@ class _Captures:
         paths += len(probe.texel) * PROBES * PROBE_CELLS**2 + looked + opacity.rays + own.traced
         paths += 0 if exits is None else 3 * exits.weight.size
         return Captured(capture, faces, material, paths, own.hit.size)
+
+    def _covered(self, plan: CapturePlan, texels: TexelMap) -> Steps[Bools]:
+        """Which texels of a plan are under, behind or inside a neighbour, (K,); see `covered_texels`."""
+        kept = self.store.found(_COVERED)
+        if kept is None:
+            every = self.spec.backs is Backs.ALL
+            covered = yield from covered_texels(self.scratch, self.bodies, self.prepared, plan, texels, every)
+            kept = {"texels": covered}
+            self.store.keep(_COVERED, kept)
+        return cast(Bools, kept["texels"])
 
     def _surrounded(
         self,
