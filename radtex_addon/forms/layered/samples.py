@@ -11,6 +11,7 @@ import numpy as np
 from ...bake.light_samples import EndSamples, LightSamples, LobeSamples
 from ...bake.plan import CapturePlan
 from ...core.arrays import Bools, Floats, Ints
+from .fit.light_map import LightMap
 from .lookup.environment import Around
 
 
@@ -88,6 +89,7 @@ class LayeredSamples:
     (H', W', 1). `material` (K,): of the texels.
     `exits`: for objects that let light through, the rays in which paths leave them. Both are None where the
     samples are for a bake that is there.
+    `light_map`: diffuse light that was traced anew where it is noisy or has edges; None if nowhere.
     `alpha` (H', W', 1): by which the maps in `fine` are multiplied, and all else is divided; None if it is 1.
     """
 
@@ -99,4 +101,5 @@ class LayeredSamples:
     coarse: dict[str, Floats]
     material: Ints
     exits: ExitSamples | None = None
+    light_map: LightMap | None = None
     alpha: Floats | None = None
