@@ -154,7 +154,11 @@ class CapturePlan:
 
 def plan_of_some(plan: CapturePlan, chosen: Bools) -> CapturePlan:
     """The plan of only the texels where `chosen` (K,) is True; at least one must be."""
-    picked = np.flatnonzero(chosen)
+    return plan_of_picked(plan, np.flatnonzero(chosen))
+
+
+def plan_of_picked(plan: CapturePlan, picked: Ints) -> CapturePlan:
+    """The plan of the texels with the numbers `picked` (N,), at least one, as often as they come."""
     rows, columns = _shape(len(picked), plan.layout.bucket, plan.sheet)
     padded = picked[np.minimum(np.arange(rows * columns), len(picked) - 1)]
 

@@ -139,9 +139,9 @@ def straight_shifts(count: int) -> Floats:
     return np.full((count, 2), 0.51)
 
 
-def tiles_of(plan: CapturePlan) -> list[Tile]:
-    """The tiles in which a plan of single rays is rendered."""
-    rows = max(1, _TILE_PIXELS // (plan.columns * plan.layout.bucket**2))
+def tiles_of(plan: CapturePlan, samples: int = 1) -> list[Tile]:
+    """The tiles in which a plan of so many `samples` for each ray is rendered."""
+    rows = max(1, _TILE_PIXELS // (plan.columns * plan.layout.bucket**2 * samples))
     return [Tile(row, min(rows, plan.rows - row)) for row in range(0, plan.rows, rows)]
 
 

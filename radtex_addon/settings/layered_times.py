@@ -22,6 +22,7 @@ _EXITS = 1.3e-3  # of an object that lets light through
 _MISLED = 8.6e-4  # mirror rays that the pictures of the surroundings would show wrongly
 # Seconds of a path of a texel.
 _LIGHT, _ENDS, _OWN = 4.5e-6, 4.2e-6, 1.4e-6
+_MORE = 0.5  # of the paths of light, on objects of which a part is lit noisily
 _AROUND = 9.0  # seconds of the pictures of the surroundings
 
 
@@ -44,6 +45,7 @@ class LayeredTimes:
             "maps": _MAPS + _GLOSS,
             "ends": _ENDS * self.rays.ends**2,
             "light": _LIGHT * self.rays.light**2,
+            "more light": _MORE * _LIGHT * self.rays.light**2,
             "own": _OWN * self.own_rays,
         }
         return {name: self.texels * seconds for name, seconds in each.items()}

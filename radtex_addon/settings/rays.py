@@ -20,6 +20,7 @@ WORLD_WIDTH = 1280  # of a layered bake's panorama of the world in pixels, one r
 NEAR_WIDTH, NEAR_SAMPLES = 896, 6  # of those of near things, which are denoised
 ROOM_SAMPLES = 24  # of those in a room, which has little direct light
 
+MORE_LIGHT = 2  # times the paths of light that noisy light takes besides, at most
 _SAMPLES = 16  # samples of a plain bake with 8 x 8 cells that costs as much as the default `LayeredRays`
 
 
@@ -39,12 +40,13 @@ class LayeredRays:
 
     @property
     def of_texel(self) -> int:
-        """Paths of one texel, without those of what surrounds the object, and of what comes through it."""
+        """Paths of one texel, but those of noisy light, of the surroundings, and of what comes through."""
         return self.light**2 + 2 * self.ends**2
 
     def most(self, texels: int) -> int:
         """All paths of a bake of an opaque object that covers `texels` texels, if none of them is hidden."""
-        return texels * (self.of_texel + 1 + FINER**2 + PROBES * PROBE_CELLS**2) + most_panorama_paths()
+        of_texel = self.of_texel + MORE_LIGHT * self.light**2 + 1 + FINER**2 + PROBES * PROBE_CELLS**2
+        return texels * of_texel + most_panorama_paths()
 
 
 def finer(texels: int) -> float:

@@ -99,8 +99,8 @@ class BakeSpec(BakeOptions):
     * Kind `transfer`: buckets are octahedral maps of directions to the light; each of the bucket² suns that
       it is captured under takes `samples` paths per texel and `view`.
     * Kind `ao`: what is farther than `ao_distance`, in scene units, counts as open.
-    * `denoise`: cells of light, and transfer, are denoised; not in the layered layout, whose fit has no such
-      noise, nor where samples are added to an atlas. The command line and the panel have it on.
+    * `denoise`: cells of light, and transfer, are denoised; the layered layout decides
+      for itself; nor where samples are added to an atlas. The command line and the panel have it on.
     * `sheet`: cells of the plain layout are rendered in sheets of about `sheet`² pixels, each with its seed.
 
     The course of this run, the fields that are not `of_atlas` in the table:

@@ -109,7 +109,7 @@ def test_buckets_cost_four_half_floats_a_cell() -> None:
 
 def test_finer_texels_and_hidden_ones_are_among_the_layered_layouts_paths() -> None:
     spec = BakeSpec(texels=32, layout=Layout.LAYERED, samples=16)
-    of_texel = 16**2 + 2 * 10**2 + 1 + 16 + 2 * 16
+    of_texel = 3 * 16**2 + 2 * 10**2 + 1 + 16 + 2 * 16
     assert cost_of(spec).paths == 32**2 * of_texel + most_panorama_paths()
     for samples in (4, 16, 64, 256, 1024):
         assert 0.3 < LayeredRays.of(samples).of_texel / (64 * samples) < 1

@@ -11,6 +11,7 @@ import numpy as np
 from ...bake.light_samples import EndSamples, LightSamples, LobeSamples
 from ...bake.plan import CapturePlan
 from ...core.arrays import Bools, Floats, Ints
+from .fit.light_map import LightMap
 from .lookup.environment import Around
 
 
@@ -87,14 +88,16 @@ class OwnRays:
 class LayeredSamples:
     """What the layered layout is fitted to.
 
-    `light`: single paths. `alone`: paths through the object in an empty world, and whether these pass it
-    where they would meet it again, `passing`. `own`: mirror rays that meet the object itself. `fine` and
-    `coarse`: maps of the diffuse colour, the glossy colour and the shading normal, "diffuse", "glossy",
-    "normal", (H', W', 3) and (H, W, 3); where roughness may vary, "width", log2 of its lobe's width², one
-    channel, NaN where it is not known; and in `fine` their "material"'s number, (H', W', 1). `material` (K,):
-    of the texels. `exits`: for objects that let light through, the rays in which paths leave them. Both are
-    None where the samples are for a bake that is there. `alpha` (H', W', 1): by which the maps in `fine` are
-    multiplied, and all else is divided; None if it is 1.
+    `light`: single paths. `alone`: paths through the object in an empty world. `own`: mirror rays that meet
+    the object itself. `fine` and `coarse`: maps of the diffuse colour, the glossy colour and the shading
+    normal, "diffuse", "glossy", "normal", (H', W', 3) and (H, W, 3); where roughness may vary, "width", log2
+    of its lobe's width², one channel, NaN where it is not known; and in `fine` their "material"'s number,
+    (H', W', 1). `material` (K,): of the texels.
+    `exits`: for objects that let light through, the rays in which paths leave them. Both are None where the
+    samples are for a bake that is there.
+    `light_map`: diffuse light that was traced anew where it is noisy or has edges; None if nowhere.
+    `alpha` (H', W', 1): by which the maps in `fine` are multiplied, and all else is divided; None if it is 1.
+    `passing`: the paths of `alone` pass the object where they would meet it after it has mirrored them.
     """
 
     light: LightSamples
@@ -105,5 +108,6 @@ class LayeredSamples:
     coarse: dict[str, Floats]
     material: Ints
     exits: ExitSamples | None = None
+    light_map: LightMap | None = None
     alpha: Floats | None = None
     passing: bool = False

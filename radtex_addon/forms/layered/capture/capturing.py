@@ -35,6 +35,7 @@ from ....settings.layered_times import LayeredTimes
 from ....settings.rays import PROBE_CELLS, PROBES, LayeredRays, coarser, finer
 from ....settings.spec import BakeSpec
 from ..cells import EXIT_CELLS, OWN_RAYS, OWN_SIDE
+from ..fit.light_map import PLACES, LightMap
 from ..fit.through import lets_through
 from ..lookup.environment import Around, Shell
 from ..samples import ExitSamples, LayeredSamples, OwnRays
@@ -42,6 +43,7 @@ from .enclosed import enclosed
 from .exits import capture_exits
 from .gloss_maps import capture_gloss, within_texels
 from .lamps import find_lamps, refuse_negative_lamps
+from .light_map import capture_light_map
 from .material_maps import capture_maps, depends_on_angle
 from .misled_rays import find_misled
 from .opacity import find_opacity
@@ -150,15 +152,10 @@ class _Captures:
         yield bar.at("ends")
         lone = None if self.known is not None else self._ends(plan(rays.ends), middle, passing)
 
-        def of_light(step: Progress) -> Progress:
-            return bar.at("light", step.done / step.total)
-
-        with scene_copied(scratch) as copy:
-            unseen = hidden.of_texels(np.isin(probe.texel, lit.texel)).cells
-            steps = capture_samples(copy, lit, unseen, spec.seed, folder, self.store, self.thumbnail)
-            light = yield from relayed(steps, of_light)
-        light = self._lit(replace(light, through=without_zeros(light.through)))
+        unseen = hidden.of_texels(np.isin(probe.texel, lit.texel)).cells
         material = texels.triangle.ravel()[lit.texel]
+        within = self._within(plan(1), material, PLACES)
+        light, light_map = yield from self._light(lit, within, unseen, coarse_maps, faces[material], bar)
         yield bar.at("own")
         if prepared.source is None:
             own = self._own_rays(plan(own_side(count)), texels.own_triangle.ravel()[lit.texel], opacity.fine)
@@ -175,11 +172,21 @@ class _Captures:
         own, around, exits, looked = found
         capture = opacity.bare(
             LayeredSamples(
-                light, lone, own, around, fine_maps, coarse_maps, faces[material], exits, passing=passing
+                light,
+                lone,
+                own,
+                around,
+                fine_maps,
+                coarse_maps,
+                faces[material],
+                exits,
+                light_map,
+                passing=passing,
             )
         )
         paths += len(probe.texel) * PROBES * PROBE_CELLS**2 + looked + opacity.rays + own.traced
         paths += 0 if exits is None else 3 * exits.weight.size
+        paths += 0 if light_map is None else light_map.paths
         return Captured(capture, faces, material, paths, own.hit.size)
 
     def _covered(self, plan: CapturePlan, texels: TexelMap) -> Steps[Bools]:
@@ -236,6 +243,27 @@ class _Captures:
         found = find_room(self.scratch, baked, plan.points, facet, self.spec.seed)
         return found, found is not None and bool(found.shown)
 
+    def _light(
+        self,
+        lit: CapturePlan,
+        within: Iterable[CapturePlan],
+        unseen: Bools,
+        maps: dict[str, Floats],
+        material: Ints,
+        bar: StageParts,
+    ) -> Steps[tuple[LightSamples, LightMap | None]]:
+        """The light, as `capture_samples`, and its light map; `within` as there."""
+        seed, folder, store = self.spec.seed, self.folder, self.store
+        with scene_copied(self.scratch) as copy:
+            steps = capture_samples(copy, lit, unseen, seed, folder, store, self.thumbnail)
+            light = yield from relayed(steps, lambda step: bar.at("light", step.done / step.total))
+        light = self._lit(replace(light, through=without_zeros(light.through)))
+        yield bar.at("more light")
+        colour = maps["diffuse"].reshape(-1, 3)[lit.texel].astype(np.float32)
+        more = capture_light_map(self.scratch, light, within, colour, material, seed, folder, store)
+        found = yield from relayed(more, lambda step: bar.at("more light", step.done / step.total))
+        return light, found
+
     def _ends(self, plan: CapturePlan, middle: Floats, passing: bool) -> EndSamples:
         """Paths through the object; `passing` it if they would meet it after it has mirrored them."""
         with scene_copied(self.scratch) as copy, path_ends(copy, self.bodies, (), middle) as ends:
@@ -243,11 +271,13 @@ class _Captures:
                 item.visible_glossy = False
             return _lean(capture_ends(ends, plan, self.spec.seed, self.folder, self.store))
 
-    def _within(self, plan: CapturePlan, triangle: Ints) -> Iterable[CapturePlan]:
-        """Plans of points within a plan's texels; of a detailed object its own: its surface is another."""
+    def _within(
+        self, plan: CapturePlan, triangle: Ints, *places: Iterable[tuple[float, float]]
+    ) -> Iterable[CapturePlan]:
+        """As `within_texels`; of a detailed object the plan itself: its surface is another."""
         if self.prepared.source is not None:
             return [plan]
-        return within_texels(self.prepared.surface, triangle, plan)
+        return within_texels(self.prepared.surface, triangle, plan, *places)
 
     def _fine_maps(self, fine: CapturePlan, triangle: Ints) -> dict[str, Floats]:
         """Maps of the material, its number among them; `triangle` (K,) are those of the plan's texels."""

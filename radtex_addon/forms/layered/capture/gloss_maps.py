@@ -9,7 +9,6 @@ and all others are black. So mixes, sums and groups of shaders blend widths as t
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from itertools import product
 from pathlib import Path
 from typing import Any, cast
 
@@ -36,7 +35,7 @@ _MIRRORS = frozenset({"BSDF_PRINCIPLED", "BSDF_GLOSSY", "BSDF_METALLIC", "BSDF_G
 _UNKNOWN = frozenset(  # they mirror, or may do so, by no roughness of GGX's
     {"SCRIPT", "BSDF_TOON", "BSDF_HAIR", "BSDF_HAIR_PRINCIPLED", "EEVEE_SPECULAR", "BSDF_RAY_PORTAL"}
 )
-_WITHIN = 0.25  # of a texel, from its middle: four points tell its mean
+_QUARTERS = tuple((x, y) for x in (-0.25, 0.25) for y in (-0.25, 0.25))  # four points tell a texel's mean
 _DIELECTRIC = 0.04  # of a Principled shader's light, what it mirrors where it is no metal
 
 
@@ -63,9 +62,14 @@ def may_vary(material: bpy.types.Material) -> bool:
     return varied and is_known(material)
 
 
-def within_texels(surface: SurfaceMesh, triangle: Ints, plan: CapturePlan) -> Iterator[CapturePlan]:
-    """Plans of four points within each of a plan's texels, which lie on triangles (K,) of the surface."""
-    for x, y in product((-_WITHIN, _WITHIN), repeat=2):
+def within_texels(
+    surface: SurfaceMesh, triangle: Ints, plan: CapturePlan, places: Iterable[tuple[float, float]] = _QUARTERS
+) -> Iterator[CapturePlan]:
+    """Plans of points within each of a plan's texels, which lie on triangles (K,) of the surface.
+
+    One for each of the `places`, in texels from the texel's middle.
+    """
+    for x, y in places:
         step = x / plan.layout.width, y / plan.layout.height
         yield plan.moved_to(moved_points(surface, triangle, plan.points, step))
 

@@ -21,7 +21,7 @@ from ....core.hemisphere import square_to_direction
 from ..lookup.lobes import falloff_at
 
 _DOUBT = 1.5  # times the noise: a difference no larger than that is none
-_DARK = 1e-3  # a colour's channel, below which it tells nothing of the light
+DARK = 1e-3  # a colour's channel, below which it tells nothing of the light
 _FAINT = 0.02  # of what a material mirrors: of less diffuse light no falloff is told
 _MOST = 8.0  # times the light along the normal
 FALLOFF_SIZE = 16
@@ -132,6 +132,25 @@ def sample_falloff(falloff: Floats, cosine: Floats) -> Floats:
     return between
 
 
+def estimate_frontal(light: LightSamples, facing: Floats, falloff: Floats, material: Ints) -> Floats:
+    """The diffuse light along the normal of each texel, and that estimate's variance: (2, 3, K).
+
+    Arguments as for `fit_irradiance`.
+    """
+
+    def estimate(some: slice) -> Floats:
+        used = facing[some] > 0
+        shown = planes(light.diffuse[some]) * used
+        kind = np.repeat(material[some], facing.shape[1])
+        curve = planes(falloff_at(falloff, kind, facing[some].ravel()).reshape(*used.shape, 3)) * used
+        against = np.maximum((curve * curve).sum(axis=2), 1e-6)
+        frontal = (shown * curve).sum(axis=2) / against
+        off = ((shown - frontal[..., None] * curve) ** 2).sum(axis=2) / against
+        return np.stack([frontal, off / np.maximum(used.sum(axis=1) - 1, 1)])
+
+    return np.concatenate(in_blocks(estimate, *facing.shape), axis=2)
+
+
 def fit_irradiance(
     light: LightSamples,
     facing: Floats,
@@ -147,20 +166,9 @@ def fit_irradiance(
     (K,). From a wide mean to the texel's own, each step is shrunk by its noise (James and Stein, 1961), of
     whose variance only a `share` is left where the samples are that share of all.
     """
-
-    def estimate(some: slice) -> Floats:
-        used = facing[some] > 0
-        shown = planes(light.diffuse[some]) * used
-        kind = np.repeat(material[some], facing.shape[1])
-        curve = planes(falloff_at(falloff, kind, facing[some].ravel()).reshape(*used.shape, 3)) * used
-        against = np.maximum((curve * curve).sum(axis=2), 1e-6)
-        frontal = (shown * curve).sum(axis=2) / against
-        off = ((shown - frontal[..., None] * curve) ** 2).sum(axis=2) / against
-        return np.stack([frontal, off / np.maximum(used.sum(axis=1) - 1, 1)])
-
-    frontal, noise = np.concatenate(in_blocks(estimate, *facing.shape), axis=2)
-    divisor = np.maximum(colour.T, _DARK)
-    lit = (colour.T > _DARK)[..., None]
+    frontal, noise = estimate_frontal(light, facing, falloff, material)
+    divisor = np.maximum(colour.T, DARK)
+    lit = (colour.T > DARK)[..., None]
     own = np.where(lit, (frontal / divisor)[..., None], 0).astype(np.float32)
     variance = np.where(lit, (noise / divisor**2)[..., None], 0).astype(np.float32)
     counted = lit.astype(np.float32)

@@ -90,7 +90,8 @@ def fit_layered(
     rest = found.rest
     if parts.rest:
         cells = found.rest_cells
-        more = view_dependence(light, used, surface, cells)
+        alike = used if capture.light_map is None else used & ~capture.light_map.edge[:, None]
+        more = view_dependence(light, alike, surface, cells)
         rest = rest if more is None else rest + more
     yield Progress(Stage.FIT, 4, _STEPS)
     through = _through(capture, around, used, grid, known)
@@ -120,14 +121,17 @@ def _diffuse(
     known: Known | None,
 ) -> tuple[Floats, Floats]:
     """The materials' falloffs (M, B, 3), those that are `known` if any, and the texels' irradiance (K, 3)."""
-    light, material, share = capture.light, capture.material, 1.0
+    light, material, share, found = capture.light, capture.material, 1.0, capture.light_map
     if known is not None:
         falloff, share = known.atlas.falloff, known.share
+    elif found is not None:
+        falloff = found.falloff
     else:
         falloff, diffuse = fit_falloffs(light, facing, material)
         if not parts.smooth:
             return falloff, np.divide(diffuse, colour, out=np.zeros_like(diffuse), where=colour > 1e-3)
-    return falloff, fit_irradiance(light, facing, falloff, material, colour, neighbours, share)
+    irradiance = fit_irradiance(light, facing, falloff, material, colour, neighbours, share)
+    return falloff, irradiance if found is None else found.onto(irradiance, falloff, material)
 
 
 def _evaluated(capture: LayeredSamples, parts: Parts) -> Floats | None:

@@ -1,0 +1,209 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where diffuse light is noisy or has edges, trace more paths along the normal, and denoise it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+from mathutils.kdtree import KDTree
+
+from ....bake.denoising import Denoiser
+from ....bake.light_samples import LightSamples
+from ....bake.piece_store import Arrays, PieceStore
+from ....bake.plan import CapturePlan, Tile, plan_of_picked
+from ....bake.pooling import Neighbours
+from ....bake.progress import Progress, Stage, Steps
+from ....core.arrays import Floats, Ints
+from ....core.gutter import nearest_covered
+from ....cycles.denoiser import image_denoiser
+from ....cycles.passes import colour_of, light_of
+from ....cycles.portal import Aim, PortalCapture
+from ....cycles.sampling import DIFFUSE, straight_shifts, tiles_of
+from ....scene.scratch import scene_copied
+from ....settings.kinds import Kind
+from ..fit.diffuse import DARK
+from ..fit.light_map import LightMap, RoughLight, filled, nearer
+
+_SEEDS = (101, 103)  # beyond the bake's: of the two halves of the paths
+_INWARDS = 0.98  # of the way to points within a texel, so that none lies on its triangle's edge
+_WINDOW = 1024  # texels along a side of what is denoised at once, without the margin
+_MARGIN = 32  # texels around it
+_BEYOND = 8  # texels of the gutter that show what lies beyond a seam
+_SMOOTH = 0.9  # least cosine between normals on both sides of a seam
+_ONE_ISLAND = 4.0  # times the usual distance between texels: those farther apart are not of one island
+
+
+def capture_light_map(
+    scratch: bpy.types.Scene,
+    light: LightSamples,
+    within: Iterable[CapturePlan],
+    colour: Floats,
+    material: Ints,
+    seed: int,
+    folder: Path,
+    store: PieceStore,
+) -> Steps[LightMap | None]:
+    """The diffuse light of noisy texels and of edges, by more paths than `light` has, denoised.
+
+    `within` are plans of points in each of its texels, of one cell each; `colour` (K, 3) is the texels'
+    diffuse colour, `material` (K,) the numbers of their materials. Yields progress in paths. None where
+    nothing is noisy or an edge, or this Blender cannot denoise. Raises BakeError where Cycles fails.
+    """
+    plan = light.plan
+    neighbours = Neighbours(plan)
+    rough = RoughLight.of(light, colour, material, neighbours)
+    if rough is None:
+        return None
+    more = yield from _traced(scratch, plan, within, rough.wanted, seed, folder, store)
+    known, falloff = rough.with_more(more, material)
+    halves = np.stack([filled(half, colour, neighbours) for half in known])
+    with image_denoiser(folder) as denoiser:
+        if denoiser is None:
+            return None
+        shown = texels_shown(plan)
+        smooth = [denoise_texels(values, plan, shown, denoiser) for values in (*halves, halves.mean(axis=0))]
+    found = nearer(halves, np.stack(smooth[:2]), smooth[2], rough.edge, neighbours)
+    found[colour <= DARK] = 0
+    found[rough.wanted == 0] = np.nan
+    return LightMap(found, falloff, rough.edge, int(rough.wanted.sum()))
+
+
+def _traced(
+    scratch: bpy.types.Scene,
+    plan: CapturePlan,
+    within: Iterable[CapturePlan],
+    wanted: Ints,
+    seed: int,
+    folder: Path,
+    store: PieceStore,
+) -> Steps[Floats]:
+    """Irradiance of a plan's texels by `wanted` (K,) paths along the normal, in two halves: (2, K, 3).
+
+    The mean of points `within` each texel; NaN where no path is wanted, or the colour is too dark.
+    """
+    points = np.stack([plan.points + _INWARDS * (each.points - plan.points) for each in within], axis=1)
+    count = points.shape[1]
+    found = np.full((2, len(wanted), 3), np.nan, dtype=np.float32)
+    done, total = 0, int(wanted.sum())
+    for number in np.unique(wanted[wanted > 0]).tolist():
+        texels = np.flatnonzero(wanted == number)
+        single = replace(plan, layout=replace(plan.layout, bucket=1))
+        some = plan_of_picked(single, texels.repeat(count)).moved_to(points[texels].reshape(-1, 3))
+        samples = number // (2 * count)
+        with scene_copied(scratch) as copy:
+            aim = Aim(straight_shifts(len(some.texel)), DIFFUSE)
+            capture = PortalCapture(copy, some, Kind.RADIANCE, samples, seed, folder, aim)
+            for half, step in enumerate(_SEEDS):
+                capture.reseed(seed + step)
+                parts = []
+                for tile in tiles_of(some, samples):
+                    yield Progress(Stage.CAPTURE, done, total)
+                    name = f"more-light-{number}-{half}-{tile.first_row:06d}"
+                    parts.append(store.get_or_make(name, partial(_trace, capture, tile))["light"])
+                    done += len(parts[-1]) * samples
+                found[half, texels] = _mean_told(np.concatenate(parts).reshape(-1, count, 3))
+    yield Progress(Stage.CAPTURE, total, total)
+    return found
+
+
+def _trace(capture: PortalCapture, tile: Tile) -> Arrays:
+    passes = capture.render_passes(tile)
+    light, colour = (look(passes, "diffuse").reshape(-1, 3) for look in (light_of, colour_of))
+    told = np.where(colour > DARK, light / np.maximum(colour, DARK), np.nan)
+    return {"light": told.astype(np.float32)}
+
+
+def _mean_told(light: Floats) -> Floats:
+    """The mean over points (K, P, 3), without those that are NaN: (K, 3), NaN without any other."""
+    told = np.isfinite(light)
+    number = told.sum(axis=1)
+    total = np.where(told, light, 0).sum(axis=1)
+    found: Floats = np.divide(total, number, out=np.full_like(total, np.nan), where=number > 0)
+    return found
+
+
+def denoise_texels(values: Floats, plan: CapturePlan, shown: Ints, denoiser: Denoiser) -> Floats:
+    """Denoise the light (K, 3) of a plan's texels, of which a picture has `shown` (H, W): (K, 3) float32."""
+    light, normals = np.maximum(values, 0).astype(np.float32), plan.normals.astype(np.float32)
+    whole = np.empty((*shown.shape, 3), dtype=np.float32)
+    for inner, outer in _windows(*shown.shape):
+        part = shown[outer]
+        picture = light[part]
+        done = denoiser(picture, np.ones_like(picture), normals[part])
+        own = tuple(slice(i.start - o.start, i.stop - o.start) for i, o in zip(inner, outer, strict=True))
+        whole[inner] = done[own]
+    found: Floats = np.maximum(whole.reshape(-1, 3)[plan.texel], 0)
+    return found
+
+
+def _windows(height: int, width: int) -> Iterator[tuple[tuple[slice, slice], tuple[slice, slice]]]:
+    """Windows that cover a picture, each without and with a margin."""
+    for top in range(0, height, _WINDOW):
+        for left in range(0, width, _WINDOW):
+            sides = (top, height), (left, width)
+            inner = tuple(slice(first, min(first + _WINDOW, size)) for first, size in sides)
+            outer = tuple(
+                slice(max(first - _MARGIN, 0), min(first + _WINDOW + _MARGIN, size)) for first, size in sides
+            )
+            yield (inner[0], inner[1]), (outer[0], outer[1])
+
+
+def texels_shown(plan: CapturePlan) -> Ints:
+    """Which of the plan's texels each texel of the atlas shows to a denoiser: (H, W).
+
+    A gutter shows the nearest texel, but beside a seam, across which the surface goes on smoothly, those that
+    lie beyond it.
+    """
+    height, width = plan.layout.height, plan.layout.width
+    number = np.full((height, width), -1, dtype=np.int64)
+    number.ravel()[plan.texel] = np.arange(len(plan.texel))
+    rows, columns = nearest_covered(number >= 0)
+    shown: Ints = number[rows, columns]
+    place, normal = plan.points.astype(np.float64), plan.normals
+    steps = [_step(number, plan, place, down) for down in (True, False)]
+    lengths = np.linalg.norm(steps, axis=2)
+    if not lengths.any():
+        return shown
+    usual = float(np.median(lengths[lengths > 0]))
+    j, i = np.nonzero(number < 0)
+    away = np.stack([j - rows[j, i], i - columns[j, i]])
+    near = (np.abs(away) <= _BEYOND).all(axis=0)
+    j, i, away = j[near], i[near], away[:, near]
+    own = shown[j, i]
+    beyond = place[own] + sum(
+        part[:, None] * np.where(lengths[axis][own, None] <= _ONE_ISLAND * usual, steps[axis][own], 0)
+        for axis, part in enumerate(away)
+    )
+    tree: Any = KDTree(len(place))
+    for index, point in enumerate(place):
+        tree.insert(point, index)
+    tree.balance()
+    for row, column, of, point in zip(j.tolist(), i.tolist(), own.tolist(), beyond, strict=True):
+        _, met, apart = tree.find(point)
+        if apart <= usual and normal[met] @ normal[of] > _SMOOTH:
+            shown[row, column] = met
+    return shown
+
+
+def _step(number: Ints, plan: CapturePlan, place: Floats, down: bool) -> Floats:
+    """How far the surface's point moves from each texel to the next one below or right of it, (K, 3).
+
+    The mean of both sides; 0 without a neighbour.
+    """
+    padded = np.pad(number, 1, constant_values=-1)
+    j, i = np.divmod(plan.texel, plan.layout.width)
+    moved, sides = np.zeros_like(place), np.zeros((len(place), 1))
+    for way in (1, -1):
+        other = padded[j + 1 + way * down, i + 1 + way * (not down)]
+        there = (other >= 0)[:, None]
+        moved += np.where(there, way * (place[np.maximum(other, 0)] - place), 0)
+        sides += there
+    found: Floats = moved / np.maximum(sides, 1)
+    return found
