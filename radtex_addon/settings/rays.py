@@ -73,7 +73,7 @@ def step_to(shape: tuple[int, ...], whole: tuple[int, ...]) -> float:
 
 
 def most_panorama_paths() -> int:
-    """Paths of a layered bake's panoramas, if it stands on a plane and other things are all around it.
+    """Paths of a layered bake's panoramas in the open, on a plane with other things all around.
 
     Of the plane there is only the half below its horizon; of other things one more path tells where they are.
     """
