@@ -23,13 +23,10 @@ def plans_of(
 ) -> list[BakePlan]:
     """A plan for each atlas of objects that touch, if the request asks for these, and one for all others.
 
-    Likewise for each of the `atlases` of a scene. Of several plans, resuming leaves those out that are done. Raises as
-    `plan_bakes` and `asset_requests` do.
+    Likewise for each of the `atlases` of a scene. Of several plans, resuming leaves those out that are done.
+    Raises as `plan_bakes` and `asset_requests` do.
     """
-    if request.as_scene:
-        requests = requests_of(request, atlases)
-    else:
-        requests = asset_requests(scene, request)
+    requests = requests_of(request, atlases) if request.as_scene else asset_requests(scene, request)
     plans = [plan_bakes(scene, each) for each in requests]
     if not request.resume or len(plans) == 1:
         return plans

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The objects of the collections or the scene that a command line names, and a line on those that are left out."""
+"""The objects of the collections or the scene that a command line names, and lines on those left out."""
 
 from __future__ import annotations
 
@@ -23,8 +23,9 @@ _NO_SURFACE = frozenset(("LIGHT", "LIGHT_PROBE", "CAMERA", "ARMATURE", "LATTICE"
 def with_collections(scene: bpy.types.Scene, request: Request, report: Report) -> Request:
     """The request with the meshes of its collections behind the objects that it names, each once.
 
-    A request for everything gets all meshes of the scene. What cannot be baked of a collection is left out, and `report` says why; objects that are named are not
-    looked at. Raises InputError for a collection that is not there or has no mesh, and if nothing is left.
+    A request for everything gets all meshes of the scene. What cannot be baked of these is left out, and
+    `report` says why; objects that are named are not looked at. Raises InputError for a collection that is
+    not there or has no mesh, and if nothing is left.
     """
     bakes = request.bakes
     collections = (scene.collection.name,) if request.everything else request.collections

@@ -85,10 +85,25 @@ def _bake(
             report.event("warning", **told(capped))
     wanted = [bake for plan in plans for bake in plan.wanted]
     whole = whole_progress(scene, wanted, request.bakes.saves_preview) if len(wanted) > 1 else None
+    failures: list[InputError] = []
     for plan in plans:
         of_plan = replace(request, bakes=plan.request)
-        pages += _bake_plan(scene, plan, of_plan, report, interruption, after, whole)
+        try:
+            pages += _bake_plan(scene, plan, of_plan, report, interruption, after, whole)
+        except InputError as error:
+            if not request.bakes.as_scene:
+                raise
+            failures.append(error)
+    if failures:
+        raise _without_some(failures, len(wanted))
     return pages
+
+
+def _without_some(failures: Sequence[InputError], count: int) -> InputError:
+    """The error of a scene some of whose atlases cannot be baked; the others are."""
+    lines = "; ".join(error.message.problem for error in failures)
+    remedies = dict.fromkeys(remedy for error in failures for remedy in error.message.remedies)
+    return InputError(f"{len(failures)} of {count} atlases were left out: {lines}", *remedies)
 
 
 def _tell_of_bakes_there(plans: Sequence[BakePlan], report: Report) -> None:

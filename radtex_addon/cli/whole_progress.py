@@ -16,7 +16,9 @@ from ..bake.progress import Stage
 from ..job.variants import Bake
 from ..settings.estimate import BakeWork, typical_seconds
 
-_PRIOR = 10.0  # typical seconds for which a stage is taken to be as slow as all stages so far, and these as usual
+_PRIOR = (
+    4.0  # typical seconds for which a stage is taken to be as slow as all stages so far, and these as usual
+)
 _LEAST = 2.0  # seconds that must have gone by before the time left is told
 
 
@@ -100,7 +102,11 @@ class WholeProgress:
     def _reached_of(self, stage: str, seconds: float) -> float | None:
         """How much of a stage of the current bake is done; all of it, where a later one has begun."""
         order = list(Stage)
-        if self._stage in order and stage in order and order.index(Stage(stage)) < order.index(Stage(self._stage)):
+        if (
+            self._stage in order
+            and stage in order
+            and order.index(Stage(stage)) < order.index(Stage(self._stage))
+        ):
             return seconds
         return self._reached.get(stage)
 

@@ -156,6 +156,7 @@ def may_gain(spec: BakeSpec, wish: OpenLayout | None) -> bool:
 
 
 def may_belong(item: bpy.types.Object, layer: bpy.types.ViewLayer) -> bool:
+    """Whether an object is a mesh that renders, or whose bake is shown, and no lower level of detail."""
     is_there = is_on(item) or is_rendered(item, layer)
     return item.type == "MESH" and is_there and not _LEVEL.fullmatch(item.name)
 
@@ -182,8 +183,9 @@ def name_for(
     taken: Collection[str],
     suffix: str,
 ) -> str:
-    """A name for a group that is not `taken`: that of a parent or a collection of it alone, or else the largest
-    object's with the `suffix`.
+    """A name for a group that is not `taken`: that of a parent or a collection of it alone.
+
+    Else the largest object's with the `suffix`.
     """
     for name in (*_parents_of(group), *_collections_of(scene, group)):
         if name not in taken:

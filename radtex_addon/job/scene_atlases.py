@@ -50,7 +50,8 @@ from .assets import (
 from .bake_request import BakeRequest
 
 _OBJECTS = 12  # the most whose texels a scene has, where each would have had an atlas
-_STEP, _LEAST = 16, 48  # texels: sides are multiples of the former, and not less than the latter
+_STEP = 16  # texels: sides are multiples of it
+_ISLANDS, _ISLAND = 6, 5  # islands of an object in a new unwrap, and texels along the side of a small one
 _BY_AREA = 0.75  # power of the area by which texels grow: what is 16 times as large has 8 times as many
 _GLOSSY = 2.5  # times as many texels has a mirror as a matt thing …
 _MATT = 0.6  # … whose roughness is this, or more
@@ -75,7 +76,7 @@ class SceneAtlas:
     @property
     def told(self) -> str:
         """What it has, in a line."""
-        size = f"{self.texels} x {self.texels} texels, about {told_density(float(f"{self.density:.2g}"))}"
+        size = f"{self.texels} x {self.texels} texels, about {told_density(float(f'{self.density:.2g}'))}"
         if len(self.objects) == 1:
             return f"'{self.name}': {size}"
         return f"'{self.name}' has {Asset(self.name, self.objects).told}: {size}"
@@ -123,10 +124,10 @@ def requests_of(request: BakeRequest, atlases: Sequence[SceneAtlas]) -> tuple[Ba
 
 
 def find_scene_atlases(scene: bpy.types.Scene, request: BakeRequest, read: Read) -> tuple[SceneAtlas, ...]:
-    """The atlases of the request's objects, the shell's first; `read` tells their surfaces. Raises as it does.
+    """The atlases of the request's objects, the shell's first. Raises as `read` does.
 
-    Objects that the layered layout does not take are in none, nor are lower levels of detail. The same scene
-    has the same atlases, with the same names.
+    `read` tells the objects' surfaces. Objects that the layered layout does not take are in none, nor are
+    lower levels of detail. The same scene has the same atlases, with the same names.
     """
     spec, wish, folder = request.spec, request.open_layout, request.folder
     if not may_gain(spec, wish):
@@ -192,11 +193,10 @@ def _sized(
         return replace(
             atlas, texels=MOST_SHARED, wanted=wanted, density=density_of_side(area, MOST_SHARED) / metres
         )
-    islands = 0
-    if spec.unwrap is Unwrap.AUTO and len(items) > 1:
-        islands = sum(about_islands(item) for item in items)
-    side = max(_STEP * ceil(sqrt(need) / _STEP), min(_LEAST, spec.texels))
-    side = min(max(side, _STEP * ceil(side_for_islands(islands) / _STEP)), MOST_SHARED, spec.most_texels)
+    kept = sum(about_islands(item) for item in items) if spec.unwrap is Unwrap.AUTO and len(items) > 1 else 0
+    apart = (2 * spec.padding + _ISLAND) * sqrt(max(kept, _ISLANDS * len(items)))
+    side = _STEP * ceil(max(sqrt(need), side_for_islands(kept, spec.texels), apart) / _STEP)
+    side = min(side, MOST_SHARED, spec.most_texels)
     return replace(atlas, texels=side, density=density_of_side(area, side) / metres)
 
 
@@ -222,7 +222,7 @@ def _times_for_gloss(item: bpy.types.Object) -> float:
 
 
 def _roughness(material: bpy.types.Material) -> float:
-    """The least roughness of a material's shaders, as far as that is known without evaluating it; else 0.4."""
+    """The least roughness of a material's shaders; 0.4 where nodes compute it."""
     tree: Any = material.node_tree
     output = None if tree is None else tree.get_output_node("CYCLES")
     return 1.0 if output is None else _least_roughness(output.inputs["Surface"], ())

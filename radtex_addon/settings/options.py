@@ -215,7 +215,7 @@ OBJECTS = Section(Fold.SURFACE, (
          "as what is hidden from render, is left out with a line that says why; may be given several "
          "times, and beside --object"),
     _row("all", flag="--all", default=False,
-         help="bake the scene in one go: all meshes that render, or those that --object and --collection name, "
+         help="bake the scene in one go: all meshes that render, or what --object and --collection name, "
          "into few atlases. Floors, walls and what lies flat on them share NAME_shell, NAME being the "
          "scene's; things that stand near each other share others, of up to "
          f"{MOST_SHARED} texels a side. With --density all have that. Else --texels is an object's share: "

@@ -95,7 +95,7 @@ def side_for_several(side: int, count: int, islands: int = 0) -> int:
 
 
 def side_for_islands(islands: int, side: int = 128) -> float:
-    """Texels along the side of an atlas that has room for so many islands of objects of `side` texels each."""
+    """Texels along the side of an atlas with room for so many islands of objects of `side` texels each."""
     return side * _OF_ISLAND * sqrt(islands)
 
 

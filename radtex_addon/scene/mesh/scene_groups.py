@@ -38,7 +38,7 @@ class SceneGroup:
 
 @dataclass(frozen=True, eq=False)
 class _Shapes:
-    """Of all surfaces: boxes (N, 2, 3), sizes (N,), unit normals (N, 3) of the flattest side, and flatness."""
+    """Boxes (N, 2, 3) and sizes (N,) of all surfaces, normals (N, 3) across their flattest side, flatness."""
 
     boxes: Floats
     sizes: Floats
@@ -90,7 +90,9 @@ class _Shapes:
         beyond = along - np.diag(along) > 0
         above = beyond[solid].mean(axis=0)
         on_one_side = np.maximum(above, 1 - above) >= _ONE_SIDE
-        large = self.sizes >= np.where(on_one_side, min(_BOUNDING * whole, _LARGER * largest), _LARGER * largest)
+        large = self.sizes >= np.where(
+            on_one_side, min(_BOUNDING * whole, _LARGER * largest), _LARGER * largest
+        )
         found: Bools = self.flat & large
         return found
 
@@ -109,8 +111,8 @@ class _Shapes:
         away = np.abs((self.middles - self.middles[one]) @ self.normals[one])
         thickness = np.abs((high - low) @ np.abs(self.normals[one])) / 2
         own = ((self.boxes[:, 1] - self.boxes[:, 0]) @ np.abs(self.normals[one])) / 2
-        found = near & parallel & (away <= thickness + own + reach)
-        return found
+        lies: Bools = near & parallel & (away <= thickness + own + reach)
+        return lies
 
 
 def scene_groups(
@@ -158,7 +160,7 @@ def _shell(shapes: _Shapes, apart: Bools) -> Bools:
 def _joined(
     groups: Sequence[list[int]], shapes: _Shapes, needs: Floats, most: float, count: int
 ) -> list[list[int]]:
-    """The groups, of which the nearest two are joined again and again, as long as they want few enough texels.
+    """The groups, the nearest two of which are joined again and again while they want few enough texels.
 
     Nearest are those that have the smallest common box. Where no more than `count` are left, only those
     that are very near each other are joined, or all, if one is to be left.
