@@ -20,7 +20,7 @@ from radtex_addon.ui.panel import main_panel
 from radtex_addon.ui.panel.jobs_panel import _ask_to_resume, told_together
 from radtex_addon.ui.settings.request import request_of, values_of
 from radtex_addon.worker.job import Job, JobState
-from radtex_addon.worker.together import together_of
+from radtex_addon.worker.together import Together, together_of
 from tests.blender import stage
 from tests.blender.recorded_layout import RecordedLayout
 from tests.blender.ui_stage import context, finish_jobs, ops, registered, settings
@@ -34,9 +34,9 @@ def _corner(out: Path) -> Iterator[None]:
     stage.world()
     gloss = stage.material("Gloss", "ShaderNodeBsdfPrincipled", Roughness=0.3)
     for name, place, turn in (
-        ("Floor", (0, 0, 0), (0, 0, 0)),
-        ("Wall N", (0, 2, 2), (1.5708, 0, 0)),
-        ("Wall W", (-2, 0, 2), (0, 1.5708, 0)),
+        ("Floor", (0, 0, 0), (0.0, 0.0, 0.0)),
+        ("Wall N", (0, 2, 2), (1.5708, 0.0, 0.0)),
+        ("Wall W", (-2, 0, 2), (0.0, 1.5708, 0.0)),
     ):
         bpy.ops.mesh.primitive_plane_add(size=4, location=place, rotation=turn)
         context.object.name = name
@@ -126,7 +126,7 @@ def test_one_bar_goes_over_the_bakes_of_a_scene() -> None:
     settings().atlas_layout, settings().bucket, settings().preview = "buckets", 2, False
     request = request_of(values_of(settings()) | {"together": "off"}, ("Cup", "Top"))
     jobs.submit(context.scene, [plan_bakes(context.scene, request)])
-    seen = []
+    seen: list[Together] = []
     while jobs.busy():
         jobs.advance()
         if (found := jobs.together()) is not None and (not seen or found != seen[-1]):
@@ -142,9 +142,8 @@ def test_one_bar_goes_over_the_bakes_of_a_scene() -> None:
     waiting = replace(other, state=JobState.WAITING, fraction=0.0)
     told = together_of([running, waiting], {running.number: 10.0})
     assert told is not None
-    assert (told.fraction, told.seconds_left) == (pytest.approx(0.25), pytest.approx(30.0)), (
-        "as the pace says"
-    )
+    assert told.fraction == pytest.approx(0.25)
+    assert told.seconds_left == pytest.approx(30.0), "as the pace says"
     assert together_of([running], {}) is None
     elsewhere = replace(waiting, order=replace(waiting.order, folder=Path("elsewhere")))
     assert together_of([running, elsewhere], {}) is None, "it was not asked for at the same time"

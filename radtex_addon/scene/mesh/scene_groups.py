@@ -90,9 +90,9 @@ class _Shapes:
         beyond = along - np.diag(along) > 0
         above = beyond[solid].mean(axis=0)
         on_one_side = np.maximum(above, 1 - above) >= _ONE_SIDE
-        large = self.sizes >= np.where(
-            on_one_side, min(_BOUNDING * whole, _LARGER * largest), _LARGER * largest
-        )
+        at_least = _LARGER * largest
+        large = self.sizes >= at_least
+        large |= on_one_side & (self.sizes >= min(_BOUNDING * whole, at_least))
         found: Bools = self.flat & large
         return found
 

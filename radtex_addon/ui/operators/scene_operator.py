@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from bpy.stub_internal.rna_enums import OperatorReturnItems
 
     from ...job.bake_plan import BakePlan
+    from ...job.bake_request import BakeRequest
     from ...job.left_out import Found
     from ...job.scene_atlases import SceneAtlas
 
@@ -161,7 +162,8 @@ class RADTEX_OT_bake_scene(MayWait, bpy.types.Operator):
         from ..settings.object_settings import by_settings
         from ..settings.request import request_of, values_of
 
-        requests, atlases = [], []
+        requests: list[BakeRequest] = []
+        atlases: list[SceneAtlas] = []
         for settings, group in by_settings(scene, names):
             course = {"together": "off", "overwrite": self.again, "resume": not self.again}
             request = request_of(values_of(settings) | course, group)
