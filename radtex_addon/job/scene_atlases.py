@@ -52,7 +52,7 @@ from .bake_request import BakeRequest
 _OBJECTS = 12  # the most whose texels a scene has, where each would have had an atlas
 _STEP = 16  # texels: sides are multiples of it
 _ISLANDS, _ISLAND = 6, 5  # islands of an object in a new unwrap, and texels along the side of a small one
-_BY_AREA = 0.75  # power of the area by which texels grow: what is 16 times as large has 8 times as many
+_BY_AREA = 0.5  # power of the area by which texels grow: what is 16 times as large has 4 times as many
 _GLOSSY = 2.5  # times as many texels has a mirror as a matt thing …
 _MATT = 0.6  # … whose roughness is this, or more
 _USUAL = 0.4  # a roughness that is not known
