@@ -34,13 +34,13 @@ def _corner(out: Path) -> Iterator[None]:
     stage.world()
     gloss = stage.material("Gloss", "ShaderNodeBsdfPrincipled", Roughness=0.3)
     for name, place, turn in (
-        ("Floor", (0, 0, 0), (0.0, 0.0, 0.0)),
-        ("Wall N", (0, 2, 2), (1.5708, 0.0, 0.0)),
-        ("Wall W", (-2, 0, 2), (0.0, 1.5708, 0.0)),
+        ("Floor", (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)),
+        ("Wall N", (0.0, 2.0, 2.0), (1.5708, 0.0, 0.0)),
+        ("Wall W", (-2.0, 0.0, 2.0), (0.0, 1.5708, 0.0)),
     ):
         bpy.ops.mesh.primitive_plane_add(size=4, location=place, rotation=turn)
         context.object.name = name
-    for name, size, place in (("Top", 0.8, (1, 1, 0.5)), ("Cup", 0.2, (1, 1, 1))):
+    for name, size, place in (("Top", 0.8, (1.0, 1.0, 0.5)), ("Cup", 0.2, (1.0, 1.0, 1.0))):
         bpy.ops.mesh.primitive_cube_add(size=size, location=place)
         context.object.name = name
     for item in context.scene.objects:

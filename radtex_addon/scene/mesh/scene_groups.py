@@ -83,7 +83,7 @@ class _Shapes:
         """Which flat surfaces are large beside the `solid` things, or have them on one side, (N,)."""
         if not solid.any():
             return self.flat.copy()
-        largest = self.sizes[solid].max()
+        largest = float(self.sizes[solid].max())
         inner = self.boxes[solid]
         whole = float(np.linalg.norm(inner[:, 1].max(axis=0) - inner[:, 0].min(axis=0)))
         along = self.middles @ self.normals.T  # (N, N): of each middle along each normal
