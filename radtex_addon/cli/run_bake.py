@@ -84,7 +84,7 @@ def _bake(
         if request.bakes.spec.density is not None and (capped := atlas.capped(request.bakes.spec.density)):
             report.event("warning", **told(capped))
     wanted = [bake for plan in plans for bake in plan.wanted]
-    whole = whole_progress(scene, wanted, request.bakes.saves_preview) if len(wanted) > 1 else None
+    whole = whole_progress(wanted, request.bakes.saves_preview) if len(wanted) > 1 else None
     failures: list[InputError] = []
     for plan in plans:
         of_plan = replace(request, bakes=plan.request)

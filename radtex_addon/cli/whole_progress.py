@@ -8,17 +8,17 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 from time import monotonic
-from typing import Protocol, cast
-
-import bpy
+from typing import Protocol
 
 from ..bake.progress import Stage
 from ..job.variants import Bake
 from ..settings.estimate import BakeWork, typical_seconds
+from ..settings.spec import BakeSpec
 
 _PRIOR = (
     4.0  # typical seconds for which a stage is taken to be as slow as all stages so far, and these as usual
 )
+_TRIANGLES = 16_000  # of usual objects
 _LEAST = 2.0  # seconds that must have gone by before the time left is told
 
 
@@ -61,7 +61,8 @@ class WholeProgress:
 
     def begin(self) -> None:
         """The next bake begins: all stages of the one before are done, or were left out."""
-        self._skip(list(self._reached))
+        if self._stage:
+            self._advance(self._stage, self._works[self._bake].get(self._stage, 0.0))
         self._bake, self._stage, self._reached = self._bake + 1, "", {}
 
     def at(self, step: Reached) -> Whole:
@@ -82,33 +83,21 @@ class WholeProgress:
         self._reached[stage] = self._reached.get(stage, 0.0) + gain
         self._done[stage] = self._done.get(stage, 0.0) + gain
 
-    def _skip(self, stages: list[str]) -> None:
-        if self._bake >= 0 and stages:
-            self._advance(self._stage, self._works[self._bake].get(self._stage, 0.0))
-
     def _rest(self) -> dict[str, float]:
-        """Typical seconds that are left, by stage; of the current bake stages that were passed have none."""
+        """Typical seconds that are left of all bakes, by stage."""
         rest: dict[str, float] = {}
-        for number, work in enumerate(self._works):
-            if number < self._bake:
-                continue
+        for number, work in enumerate(self._works[self._bake :]):
             for stage, seconds in work.items():
-                left = seconds
-                if number == self._bake and (reached := self._reached_of(stage, seconds)) is not None:
-                    left -= reached
-                rest[stage] = rest.get(stage, 0.0) + max(left, 0.0)
+                left = seconds if number else max(0.0, seconds - self._reached_of(stage, seconds))
+                rest[stage] = rest.get(stage, 0.0) + left
         return rest
 
-    def _reached_of(self, stage: str, seconds: float) -> float | None:
+    def _reached_of(self, stage: str, seconds: float) -> float:
         """How much of a stage of the current bake is done; all of it, where a later one has begun."""
-        order = list(Stage)
-        if (
-            self._stage in order
-            and stage in order
-            and order.index(Stage(stage)) < order.index(Stage(self._stage))
-        ):
+        order = list(map(str, Stage))
+        if order.index(stage) < order.index(self._stage):
             return seconds
-        return self._reached.get(stage)
+        return self._reached.get(stage, 0.0)
 
     def _done_share(self) -> float:
         whole = sum(sum(work.values()) for work in self._works)
@@ -126,17 +115,11 @@ class WholeProgress:
         return left
 
 
-def whole_progress(scene: bpy.types.Scene, bakes: Iterable[Bake], preview: bool) -> WholeProgress:
+def whole_progress(bakes: Iterable[Bake], preview: bool) -> WholeProgress:
     """The progress of a run of these bakes, in their order."""
 
-    def work(bake: Bake) -> Mapping[str, float]:
-        name, spec = bake
-        faces = sum(
-            len(cast(bpy.types.Mesh, scene.objects[each].data).polygons)
-            for each in spec.objects or (name,)
-            if each in scene.objects and scene.objects[each].type == "MESH"
-        )
-        typical = typical_seconds(BakeWork.of(spec, 2 * faces, preview=preview, device=spec.device))
+    def work(spec: BakeSpec) -> Mapping[str, float]:
+        typical = typical_seconds(BakeWork.of(spec, _TRIANGLES, preview=preview, device=spec.device))
         return {stage: typical[stage] for stage in map(str, Stage) if stage in typical}
 
-    return WholeProgress(map(work, bakes))
+    return WholeProgress(work(spec) for _, spec in bakes)
