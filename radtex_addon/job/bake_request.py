@@ -30,7 +30,7 @@ class BakeRequest:
 
     If `shared` is not None the objects share one atlas of that name; with `open_texels`, which nobody named,
     it has about as many texels as they would have had. With `assets`, objects that touch are to be baked into
-    one atlas (`asset_requests`), with `as_scene` all of them into a few (`scene_requests`). An entry of
+    one atlas (`asset_requests`), with `as_scene` all of them into a few (`requests_of`). An entry of
     `lights` names lamps, or is (EACH,) for every lamp alone, or (ALL,) for all light together. If
     `open_layout` is not None, `spec` has layout buckets until a layout is chosen for each object. `preview`
     is the filter of the previews to save, `exports` are made of every bake. `overwrite` and `resume` are as

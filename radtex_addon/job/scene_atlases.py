@@ -88,16 +88,11 @@ class SceneAtlas:
         return capped_warning(f"'{self.name}'", density, self.wanted, self.texels, self.density)
 
 
-def scene_requests(scene: bpy.types.Scene, request: BakeRequest) -> tuple[BakeRequest, ...]:
-    """A request for each atlas of a scene, and one for the objects that can share none, if there are any.
+def rendered_atlases(scene: bpy.types.Scene, request: BakeRequest) -> tuple[SceneAtlas, ...]:
+    """The atlases of the request's objects as they are in renders, at its first frame.
 
     Raises as `read_rendered` does.
     """
-    return requests_of(request, rendered_atlases(scene, request))
-
-
-def rendered_atlases(scene: bpy.types.Scene, request: BakeRequest) -> tuple[SceneAtlas, ...]:
-    """The atlases of the request's objects as they are in renders, at its first frame. Raises as above."""
     frame = request.frames[0] if request.frames else request.spec.frame
     return find_scene_atlases(scene, request, read_rendered(scene, frame))
 

@@ -272,3 +272,17 @@ def test_a_scene_that_was_killed_is_gone_on_with_to_the_same_bits(
     assert resumed.code == 0, resumed.err
     assert (out / "Top_group.radiance.json").stat().st_mtime_ns == finished, "what is done stays"
     assert digests(out) == digests(whole)
+
+
+@pytest.mark.one_blender
+def test_an_atlas_that_cannot_be_baked_does_not_keep_the_others_from_it(
+    blend: Path, out: Path, batch: Batch
+) -> None:
+    _plane("Thread", (1000, 1e-4), (0, 0, 5), (0, 0, 0), bpy.data.materials["Matt"])
+    bpy.ops.wm.save_as_mainfile(filepath=str(blend))
+    named = [f"--object={name}" for name in ("Thread", "Cup")]
+    ended = batch(blend, "--all", *named, *QUICK, "--out", out, "--progress=none")
+    assert ended.code == 2
+    last = ended.err.splitlines()[-1]
+    assert last.startswith("radtex: 1 of 2 atlases were left out: object 'Thread' is as thin as a thread")
+    assert (out / "Cup.radiance.json").exists()
