@@ -63,7 +63,7 @@ _SHELL, _GROUP = "_shell", "_group"  # of names
 class SceneAtlas:
     """An atlas of a scene, of one object or several, by name.
 
-    It has about `texels` a side, and `density` texels per metre of what camera can see, in the mean. If
+    It has about `texels` a side, and `density` texels per metre of its surface, in the mean. If
     `wanted` is not 0, so many a side would be needed for the density that was asked for.
     """
 
