@@ -191,11 +191,7 @@ def name_for(
         if name not in taken:
             return name
     largest = max(group, key=lambda item: float(surfaces[item].areas.sum()))
-    return free_name(f"{largest.name}{suffix}", taken, suffix)
-
-
-def free_name(name: str, taken: Collection[str], suffix: str) -> str:
-    """The name, with the suffix as often behind it as it takes not to be `taken`."""
+    name = f"{largest.name}{suffix}"
     while name in taken:
         name += suffix
     return name

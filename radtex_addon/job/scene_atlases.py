@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import count
 from math import ceil, sqrt
 from typing import Any
 
@@ -39,7 +40,6 @@ from .about_texels import with_about_texels
 from .assets import (
     Asset,
     Read,
-    free_name,
     goes_on,
     is_layered,
     may_belong,
@@ -206,7 +206,9 @@ def _named(
     if len(members) == 1:
         return members[0].name
     if group.is_shell:
-        return free_name(f"{scene.name}{_SHELL}", taken, _SHELL)
+        first = f"{scene.name}{_SHELL}"
+        names = (first if number == 1 else f"{first}_{number}" for number in count(1))
+        return next(name for name in names if name not in taken)
     return name_for(scene, members, surfaces, taken, _GROUP)
 
 
