@@ -47,6 +47,7 @@ DIR/NAME.KIND.json describes either. The .blend file is never changed."""
 _EPILOG = """\
 examples:
   python bake.py room.blend --object Vase --out baked --save-preview
+  python bake.py room.blend --all --out baked --save-preview
   blender -b room.blend -P bake.py -- --object Vase --object Lamp --samples 64
   python bake.py demo
   python bake.py report radtex --scene demo
@@ -68,7 +69,7 @@ class Request:
 
     `passes` fold samples into one atlas; `serve` is the port at which the web page is served meanwhile. With
     a `thumbnail` a bake also draws its UV map, in the file `map_picture`, if that is given. The meshes of
-    `collections` are baked, too.
+    `collections` are baked, too, or `everything` that renders.
     """
 
     scene: Path | None
@@ -84,6 +85,7 @@ class Request:
     passes: int = 1
     serve: int | None = None
     collections: tuple[str, ...] = ()
+    everything: bool = False
 
 
 def parse(arguments: list[str], inside_blender: bool) -> Request:
@@ -113,9 +115,9 @@ def read_request(found: argparse.Namespace, inside_blender: bool) -> Request:
         raise InputError("--export is made from the preview: give --save-preview too")
     objects = tuple(dict.fromkeys(found.object or ()))
     collections = tuple(dict.fromkeys(found.collection or ()))
-    assets = found.together == AUTO
+    assets, as_scene = found.together == AUTO, found.all and found.together is None
     sharing = _sharing(found.together, objects, demo)
-    chosen["objects"] = () if collections or assets else sharing  # the file has the others
+    chosen["objects"] = () if collections or assets or found.all else sharing  # the file has the others
     lights = tuple(map(parse_lights, found.lit or ()))
     spec = lit(BakeSpec(**chosen), lights)
     check_memory(spec)
@@ -134,6 +136,7 @@ def read_request(found: argparse.Namespace, inside_blender: bool) -> Request:
             former=former_folders(blend) if found.out is None else (),
             shared=None if assets else found.together,
             assets=assets,
+            as_scene=as_scene,
             open_texels=found.texels is None,
             preview=found.filter if found.save_preview or demo else None,
             overwrite=found.overwrite or found.overwrite_any or demo,
@@ -155,6 +158,7 @@ def read_request(found: argparse.Namespace, inside_blender: bool) -> Request:
         passes=passes,
         serve=found.serve,
         collections=collections,
+        everything=found.all and not (objects or collections),
     )
 
 
@@ -214,7 +218,8 @@ def build_parser(inside_blender: bool) -> Parser:
     scene = "" if inside_blender else "SCENE "
     parser = Parser(
         prog=program,
-        usage=f"{program} {scene}--object NAME [options]\n       {program} {DEMO} [options]\n       "
+        usage=f"{program} {scene}--object NAME [options]\n       {program} {scene}--all [options]\n       "
+        f"{program} {DEMO} [options]\n       "
         f"{program} {REPORT} DIR [options]\n       {program} {EXPORT} DIR --to TARGET [options]\n       "
         f"{program} {COMPARE} {scene}--object NAME [options]\n       "
         f"{program} {PREPARE} {scene}--object NAME [options]\n       {program} {ASSEMBLE} DIR [options]",

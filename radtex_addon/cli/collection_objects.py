@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The objects of the collections that a command line names, and a line on those that are left out."""
+"""The objects of the collections or the scene that a command line names, and lines on those left out."""
 
 from __future__ import annotations
 
@@ -23,13 +23,15 @@ _NO_SURFACE = frozenset(("LIGHT", "LIGHT_PROBE", "CAMERA", "ARMATURE", "LATTICE"
 def with_collections(scene: bpy.types.Scene, request: Request, report: Report) -> Request:
     """The request with the meshes of its collections behind the objects that it names, each once.
 
-    What cannot be baked of a collection is left out, and `report` says why; objects that are named are not
-    looked at. Raises InputError for a collection that is not there or has no mesh, and if nothing is left.
+    A request for everything gets all meshes of the scene. What cannot be baked of these is left out, and
+    `report` says why; objects that are named are not looked at. Raises InputError for a collection that is
+    not there or has no mesh, and if nothing is left.
     """
     bakes = request.bakes
-    if not request.collections:
+    collections = (scene.collection.name,) if request.everything else request.collections
+    if not collections:
         return request
-    inside = [item for name in request.collections for item in objects_named(scene, name)]
+    inside = [item for name in collections for item in objects_named(scene, name)]
     inside = [item for item in dict.fromkeys(inside) if item.name not in bakes.objects]
     surfaces = [item.name for item in inside if not _has_no_surface(item)]
     found = find_bakeable(
@@ -40,7 +42,8 @@ def with_collections(scene: bpy.types.Scene, request: Request, report: Report) -
     for line in left_out_lines(found.left_out):
         report.event("warning", **told(line))
     _tell_others([item.name for item in inside if _has_no_surface(item)], report)
-    return replace(request, bakes=replace(bakes, objects=(*bakes.objects, *found.kept)), collections=())
+    bakes = replace(bakes, objects=(*bakes.objects, *found.kept))
+    return replace(request, bakes=bakes, collections=(), everything=False)
 
 
 def _has_no_surface(item: bpy.types.Object) -> bool:

@@ -106,8 +106,12 @@ def check_named(found: argparse.Namespace, inside_blender: bool, done: str) -> N
     collections = getattr(found, "collection", None)
     if found.scene == DEMO and collections:
         raise InputError(f"the {DEMO} has one object: leave --collection out")
-    if found.scene != DEMO and not (found.object or collections):
-        raise InputError("which object? name it: --object NAME (--help lists everything)")
+    everything = getattr(found, "all", None)
+    if found.scene == DEMO and everything:
+        raise InputError(f"the {DEMO} has one object: leave --all out")
+    if found.scene != DEMO and not (found.object or collections or everything):
+        scene = "" if everything is None else ", or bake the whole scene: --all"
+        raise InputError(f"which object? name it: --object NAME{scene} (--help lists everything)")
     if inside_blender and found.scene not in (None, DEMO):
         raise InputError(
             f"inside Blender the open file is {done}: open {found.scene} by "

@@ -29,6 +29,10 @@ def parse_prepare(arguments: list[str], inside_blender: bool) -> Request:
     """Parse what follows the command's name. Raises InputError; `--help` prints and raises SystemExit(0)."""
     request = read_request(build_parser(inside_blender).parse_args(arguments), inside_blender)
     bakes = request.bakes
+    if bakes.as_scene:
+        raise InputError(
+            "--all makes several atlases, and a farm one: name objects, and an atlas by --together"
+        )
     if bakes.assets:
         raise InputError(f"--together {AUTO}: a farm makes one atlas: name it, such as --together Furniture")
     for count, what in ((len(bakes.names), "object"), (len(bakes.frames), "frame")):

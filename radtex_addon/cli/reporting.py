@@ -22,6 +22,7 @@ from ..report.report_progress import ReportTask
 from ..textures.export_spec import ExportTask
 from .options import ProgressStyle
 from .terminal import Output, draw, tell
+from .whole_progress import Reached, Whole
 
 _WIDTH = 28  # width of the bar, in characters
 _SAYS: dict[StrEnum, str] = {
@@ -50,24 +51,11 @@ _SAYS: dict[StrEnum, str] = {
 }
 
 
-class Reached(Protocol):
-    """Progress of a run: `done` of `total` units of a stage."""
-
-    @property
-    def stage(self) -> StrEnum: ...
-
-    @property
-    def done(self) -> int: ...
-
-    @property
-    def total(self) -> int: ...
-
-
 class Report(Protocol):
     """Receives the progress and the events of a run."""
 
-    def progress(self, name: str, step: Reached) -> None:
-        """Object `name` has reached `step`."""
+    def progress(self, name: str, step: Reached, whole: Whole | None = None) -> None:
+        """Object `name` has reached `step`; of several bakes, all together have come as far as `whole`."""
         ...
 
     def event(self, kind: str, **facts: object) -> None:
@@ -152,11 +140,18 @@ class _Lines:
         self._output, self._clock = output, _Clock()
         self._said: tuple[str, Reached] | None = None
 
-    def progress(self, name: str, step: Reached) -> None:
+    def progress(self, name: str, step: Reached, whole: Whole | None = None) -> None:
         left = self._clock.left(name, step)
         if self._said == (name, step):  # repeated step, from a stage that cannot count its progress
             return
         self._said = (name, step)
+        facts: dict[str, object] = {}
+        if whole is not None:
+            seconds = whole.seconds_left
+            facts = {
+                "whole": round(whole.share, 4),
+                "whole_seconds_left": None if seconds is None else round(seconds, 1),
+            }
         self.event(
             "progress",
             object=name,
@@ -164,6 +159,7 @@ class _Lines:
             done=step.done,
             total=step.total,
             seconds_left=None if left is None else round(left, 1),
+            **facts,
         )
 
     def event(self, kind: str, **facts: object) -> None:
@@ -186,7 +182,7 @@ class _Bar:
         self._terminal = sys.stderr is not None and sys.stderr.isatty()
         self._drawn, self._said = 0, ""
 
-    def progress(self, name: str, step: Reached) -> None:
+    def progress(self, name: str, step: Reached, whole: Whole | None = None) -> None:
         left = self._clock.left(name, step)
         if not self._shown:
             return
@@ -197,8 +193,10 @@ class _Bar:
                 self._said = line
             return
         share = step.done / step.total if step.total else 1.0
+        if whole is not None:
+            share, left = whole.share, whole.seconds_left
         bar = "#" * int(share * _WIDTH)
-        wait = "" if left is None or step.done == step.total else f"  {_clock_face(left)} left"
+        wait = "" if left is None or share == 1 else f"  {_clock_face(left)} left"
         self._draw(f"{name}  {_SAYS[step.stage]:<20} [{bar:<{_WIDTH}}] {share:4.0%}{wait}")
 
     def event(self, kind: str, **facts: object) -> None:

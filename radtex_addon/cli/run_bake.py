@@ -14,6 +14,7 @@ from pathlib import Path
 
 import bpy
 
+from ..bake.progress import Progress
 from ..bake.thumbnail import Thumbnail
 from ..core.errors import Cancelled, InputError, RadTexError
 from ..core.messages import Message, Setting, do
@@ -32,7 +33,7 @@ from ..settings.texel_density import told_density
 from ..store.bake_folder import FolderState
 from ..textures.export_spec import Target
 from .arguments import Request
-from .asset_plans import asset_lines, plans_of
+from .asset_plans import asset_lines, atlases_of, plans_of
 from .collection_objects import with_collections
 from .failure import as_ours
 from .interruption import INTERRUPTED, Interruption
@@ -40,6 +41,7 @@ from .opening import open_asked
 from .reporting import Report
 from .serving import address, serving
 from .terminal import tell
+from .whole_progress import WholeProgress, whole_progress
 from .wording import told, worded
 
 _NAME = 255  # most bytes in a file name
@@ -68,7 +70,8 @@ def _bake(
 ) -> list[Path]:
     """Bake each object once and report the results, their titles ending in `after`; returns the web pages."""
     pages: list[Path] = []
-    plans = plans_of(scene, request.bakes)
+    atlases = atlases_of(scene, request.bakes)
+    plans = plans_of(scene, request.bakes, atlases)
     _tell_of_bakes_there(plans, report)
     check_plans(scene, plans)
     _check_thumbnail(request.thumbnail)
@@ -76,9 +79,31 @@ def _bake(
         report.event("note", message=line)
     for found in () if after else asset_lines(scene, request.bakes, plans):
         report.event("note", **told(found))
+    for atlas in () if after else atlases:
+        report.event("note", message=atlas.told)
+        if request.bakes.spec.density is not None and (capped := atlas.capped(request.bakes.spec.density)):
+            report.event("warning", **told(capped))
+    wanted = [bake for plan in plans for bake in plan.wanted]
+    whole = whole_progress(wanted, request.bakes.saves_preview) if len(wanted) > 1 else None
+    failures: list[InputError] = []
     for plan in plans:
-        pages += _bake_plan(scene, plan, replace(request, bakes=plan.request), report, interruption, after)
+        of_plan = replace(request, bakes=plan.request)
+        try:
+            pages += _bake_plan(scene, plan, of_plan, report, interruption, after, whole)
+        except InputError as error:
+            if not request.bakes.as_scene:
+                raise
+            failures.append(error)
+    if failures:
+        raise _without_some(failures, len(wanted))
     return pages
+
+
+def _without_some(failures: Sequence[InputError], count: int) -> InputError:
+    """The error of a scene some of whose atlases cannot be baked; the others are."""
+    lines = "; ".join(error.message.problem for error in failures)
+    remedies = dict.fromkeys(remedy for error in failures for remedy in error.message.remedies)
+    return InputError(f"{len(failures)} of {count} atlases were left out: {lines}", *remedies)
 
 
 def _tell_of_bakes_there(plans: Sequence[BakePlan], report: Report) -> None:
@@ -100,20 +125,30 @@ def _bake_plan(
     report: Report,
     interruption: Interruption,
     after: str,
+    whole: WholeProgress | None,
 ) -> list[Path]:
-    """Make the bakes of a plan, which was checked, and report each; returns the web pages."""
+    """Make the bakes of a plan, which was checked, and report each; returns the web pages.
+
+    `whole` counts the bakes of all plans, if there are several.
+    """
     pages: list[Path] = []
     thumbnail = partial(_thumbnail, request, report)
     for number, (name, spec, steps) in enumerate(steps_of_bakes(scene, plan, thumbnail)):
         title = _numbered_title(name, spec, number, len(plan.wanted)) + after
         leave = partial(_leave, name, spec, request, report)
+        if whole is not None:
+            whole.begin()
         with _saying_how_to_resume(name, spec, request), interruption.leaving(leave):
-            result = interruption.between(steps, partial(report.progress, title))
+            result = interruption.between(steps, partial(_tell_progress, report, title, whole))
         others = [*_pictures(request, result), *result.exported]
         facts = facts_of(spec, result, others)
         report.event("done", object=name, summary=summary_of(title, spec, result), **facts)
         pages += [path for path in result.exported if path.suffix == f".{Target.WEB}"]
     return pages
+
+
+def _tell_progress(report: Report, title: str, whole: WholeProgress | None, step: Progress) -> None:
+    report.progress(title, step, None if whole is None else whole.at(step))
 
 
 def _numbered_title(name: str, spec: BakeSpec, number: int, count: int) -> str:

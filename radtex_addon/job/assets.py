@@ -8,7 +8,7 @@ Most of what a part mirrors are the other parts, whose light is in their texels:
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TypeAlias
@@ -32,6 +32,7 @@ Read: TypeAlias = Callable[[Sequence[bpy.types.Object]], list[Surface | None]]
 _LEVEL = re.compile(r".+_LOD0*[1-9]\d*", re.IGNORECASE | re.DOTALL)  # a lower level of detail
 _DEFAULT = re.compile(r"Collection( \d+|\.\d+)?")  # Blender's own name, which says nothing
 _NAMED = 4  # most names in a line
+_SUFFIX = "_asset"  # of a name that is made of an object's
 
 
 @dataclass(frozen=True)
@@ -65,11 +66,11 @@ def find_assets(
     there, or is a lower level of detail by its name, belongs to none. To accumulate, a group must have been
     baked as one. Raises what `read` raises.
     """
-    if not _may_gain(spec, wish):
+    if not may_gain(spec, wish):
         return ()
     layer = find_view_layer(scene, None)
     there = [scene.objects[name] for name in dict.fromkeys(names) if name in scene.objects]
-    items = [item for item in there if _may_belong(item, layer)]
+    items = [item for item in there if may_belong(item, layer)]
     if len(items) < 2:
         return ()
     known = {item: one for item, one in zip(items, read(items), strict=True) if one is not None}
@@ -78,17 +79,17 @@ def find_assets(
         some = [item for item in known if item not in unfit]
         groups = [[some[index] for index in group] for group in asset_groups([known[item] for item in some])]
         checked = [item for group in groups for item in group]
-        others = {item for item in checked if not _is_layered(scene, item.name, spec, wish)}
+        others = {item for item in checked if not is_layered(scene, item.name, spec, wish)}
         if not others:
             break
         unfit |= others
     taken = {item.name for item in scene.objects if item.type == "MESH"}
     found = []
     for group in groups:
-        asset = Asset(_name_for(scene, group, known, taken), tuple(item.name for item in group))
+        asset = Asset(name_for(scene, group, known, taken, _SUFFIX), tuple(item.name for item in group))
         taken.add(asset.name)
         whole = with_about_texels(scene, asset.name, spec_of_asset(scene, spec, asset))
-        if _is_layered(scene, asset.name, whole, wish) and _goes_on(asset.name, whole, folder):
+        if is_layered(scene, asset.name, whole, wish) and goes_on(asset.name, whole, folder):
             found.append(asset)
     return tuple(found)
 
@@ -145,7 +146,7 @@ def spec_of_asset(scene: bpy.types.Scene, spec: BakeSpec, asset: Asset) -> BakeS
     return with_texels_of_several(scene, replace(spec, objects=asset.objects))
 
 
-def _may_gain(spec: BakeSpec, wish: OpenLayout | None) -> bool:
+def may_gain(spec: BakeSpec, wish: OpenLayout | None) -> bool:
     """Whether bakes by that specification may gain from one atlas, and can have one."""
     kind = spec.kind.traits
     apart = spec.source is not None or spec.split is not None or spec.uv_layer is not None
@@ -154,12 +155,13 @@ def _may_gain(spec: BakeSpec, wish: OpenLayout | None) -> bool:
     return kind.looks_at_surface and kind.shared_atlas and (wish is not None or spec.form.by_paths)
 
 
-def _may_belong(item: bpy.types.Object, layer: bpy.types.ViewLayer) -> bool:
+def may_belong(item: bpy.types.Object, layer: bpy.types.ViewLayer) -> bool:
+    """Whether an object is a mesh that renders, or whose bake is shown, and no lower level of detail."""
     is_there = is_on(item) or is_rendered(item, layer)
     return item.type == "MESH" and is_there and not _LEVEL.fullmatch(item.name)
 
 
-def _is_layered(scene: bpy.types.Scene, name: str, spec: BakeSpec, wish: OpenLayout | None) -> bool:
+def is_layered(scene: bpy.types.Scene, name: str, spec: BakeSpec, wish: OpenLayout | None) -> bool:
     """Whether the layout is one whose texels mirror one another."""
     try:
         return choose_layout(scene, (name, spec), wish, None).spec.form.by_paths
@@ -167,27 +169,31 @@ def _is_layered(scene: bpy.types.Scene, name: str, spec: BakeSpec, wish: OpenLay
         return False
 
 
-def _goes_on(name: str, spec: BakeSpec, folder: Path | None) -> bool:
+def goes_on(name: str, spec: BakeSpec, folder: Path | None) -> bool:
     """Whether there is what the bake adds to, if it does."""
     if not spec.accumulate or folder is None:
         return not spec.accumulate
     return BakeFolder(name, spec, folder).state is not FolderState.NOTHING
 
 
-def _name_for(
+def name_for(
     scene: bpy.types.Scene,
     group: Sequence[bpy.types.Object],
-    surfaces: dict[bpy.types.Object, Surface],
-    taken: set[str],
+    surfaces: Mapping[bpy.types.Object, Surface],
+    taken: Collection[str],
+    suffix: str,
 ) -> str:
-    """A name for a group: that of a parent or a collection of it alone, or else the largest object's."""
+    """A name for a group that is not `taken`: that of a parent or a collection of it alone.
+
+    Else the largest object's with the `suffix`.
+    """
     for name in (*_parents_of(group), *_collections_of(scene, group)):
         if name not in taken:
             return name
     largest = max(group, key=lambda item: float(surfaces[item].areas.sum()))
-    name = f"{largest.name}_asset"
+    name = f"{largest.name}{suffix}"
     while name in taken:
-        name += "_asset"
+        name += suffix
     return name
 
 

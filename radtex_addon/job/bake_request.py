@@ -30,15 +30,15 @@ class BakeRequest:
 
     If `shared` is not None the objects share one atlas of that name; with `open_texels`, which nobody named,
     it has about as many texels as they would have had. With `assets`, objects that touch are to be baked into
-    one atlas (`asset_requests`). An entry of `lights` names lamps, or is
-    (EACH,) for every lamp alone, or (ALL,) for all light together. If `open_layout` is not None, `spec` has
-    layout buckets until a layout is chosen for each object. `preview` is the filter of the previews to save,
-    `exports` are made of every bake. `overwrite` and `resume` are as in `bake_steps`. With `only_changed`,
-    bakes that are not there, unfinished or changed (`changes`) are made, and replace what is there;
-    `surroundings` says whether neighbours and lamps count as changes. `overwrite_any` also replaces better
-    bakes and those of other files. `blend` is the file that the scene is of, None for the open one. `passes`
-    are made in all, each with as many samples. `former` are folders where earlier versions may have left an
-    unfinished bake: resuming goes on there.
+    one atlas (`asset_requests`), with `as_scene` all of them into a few (`requests_of`). An entry of
+    `lights` names lamps, or is (EACH,) for every lamp alone, or (ALL,) for all light together. If
+    `open_layout` is not None, `spec` has layout buckets until a layout is chosen for each object. `preview`
+    is the filter of the previews to save, `exports` are made of every bake. `overwrite` and `resume` are as
+    in `bake_steps`. With `only_changed`, bakes that are not there, unfinished or changed (`changes`) are
+    made, and replace what is there; `surroundings` says whether neighbours and lamps count as changes.
+    `overwrite_any` also replaces better bakes and those of other files. `blend` is the file that the scene is
+    of, None for the open one. `passes` are made in all, each with as many samples. `former` are folders where
+    earlier versions may have left an unfinished bake: resuming goes on there.
     """
 
     objects: tuple[str, ...]
@@ -60,6 +60,7 @@ class BakeRequest:
     former: tuple[Path, ...] = ()
     open_texels: bool = False
     assets: bool = False
+    as_scene: bool = False
 
     @property
     def names(self) -> tuple[str, ...]:

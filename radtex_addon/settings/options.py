@@ -224,6 +224,13 @@ OBJECTS = Section(Fold.SURFACE, (
          help="bake all meshes of the collection and of those in it, by name; what cannot be baked, such "
          "as what is hidden from render, is left out with a line that says why; may be given several "
          "times, and beside --object"),
+    _row("all", flag="--all", default=False,
+         help="bake the scene in one go: all meshes that render, or what --object and --collection name, "
+         "into few atlases. Floors, walls and what lies flat on them share NAME_shell, NAME being the "
+         "scene's; things that stand near each other share others, of up to "
+         f"{MOST_SHARED} texels a side. With --density all have that. Else --texels is an object's share: "
+         "of up to a dozen objects all atlases together have as many texels as they would have had, of more "
+         "as many as a dozen; small and glossy things get more per area"),
     _row("one_atlas", panel_name="together", title="Together", items=TOGETHER, panel_default="auto",
          tooltip="Which of the chosen objects share a texture"),
     _row("together", flag="--together", metavar="NAME|auto", panel_name="atlas_name", title="Name",

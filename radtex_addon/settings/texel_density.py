@@ -90,8 +90,18 @@ def side_for_several(side: int, count: int, islands: int = 0) -> int:
     About as many in all, and more where their own UV layers have hundreds of `islands`, or the room between
     these takes most of the atlas: a multiple of 64, and at most 512 if `side` is not larger.
     """
-    needed = side * max(sqrt(count), _OF_ISLAND * sqrt(islands))
+    needed = max(side * sqrt(count), side_for_islands(islands, side))
     return max(side, min(_SHARED_STEP * ceil(needed / _SHARED_STEP), MOST_SHARED))
+
+
+def side_for_islands(islands: int, side: int = 128) -> float:
+    """Texels along the side of an atlas with room for so many islands of objects of `side` texels each."""
+    return side * _OF_ISLAND * sqrt(islands)
+
+
+def density_of_side(area: float, side: int) -> float:
+    """About which density an atlas of `side` texels has for a surface of `area`: inverse of `about_side`."""
+    return max(side - _APART, side / 2) * sqrt(_USED / area)
 
 
 def grown_side(side: int, factor: float) -> int:

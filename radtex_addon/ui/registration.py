@@ -25,6 +25,7 @@ from .operators.job_operators import (
     RADTEX_OT_open_folder,
 )
 from .operators.remedy_operator import RADTEX_OT_apply_remedy
+from .operators.scene_operator import RADTEX_OT_bake_scene
 from .panel import finished_panel, forecast, list_panel, menus, panel_state
 from .panel.cost_panel import RADTEX_PT_cost
 from .panel.jobs_panel import RADTEX_PT_jobs
@@ -53,6 +54,7 @@ CLASSES = (
     RADTEX_PG_listed,
     RADTEX_PG_chosen,
     RADTEX_OT_bake,
+    RADTEX_OT_bake_scene,
     RADTEX_OT_apply_remedy,
     RADTEX_OT_estimate,
     RADTEX_OT_cancel_estimate,

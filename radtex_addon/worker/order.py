@@ -68,7 +68,8 @@ class Order:
     objects of a shared atlas. `folder` has the worker's own files; it is deleted with the last of its orders.
     `out` is the folder of the results. `blend` is the file to open, if any; `facts` is the rest of the order,
     as JSON's types. `stages` are the stages that the worker may report, in order, each with its fraction of
-    the whole time, 0 for one that this order skips. `remedy` is what to do if the worker ends early.
+    the whole time, 0 for one that this order skips; `seconds` is how long all of it typically takes. `remedy`
+    is what to do if the worker ends early.
     """
 
     work: Work
@@ -82,6 +83,7 @@ class Order:
     part: str = ""
     variant: str = ""
     shared: tuple[str, ...] = ()
+    seconds: float = 1.0
     blend: Path | None = None
 
     def ended_early(self, reason: str) -> str:

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -71,6 +71,7 @@ def order_bake(
             "picture": None if picture is None else str(picture),
         },
         stages=_stages(spec, preview is not None),
+        seconds=sum(_typical(spec, preview is not None).values()),
         remedy="bake again, if memory ran out with fewer texels, cells or samples",
     )
 
@@ -199,5 +200,9 @@ def _on_device(spec: BakeSpec, device: str) -> BakeSpec:
 
 def _stages(spec: BakeSpec, preview: bool) -> dict[str, float]:
     """The fraction of the time that each stage of a bake typically takes; they add up to 1."""
-    typical = typical_seconds(BakeWork.of(spec, _TRIANGLES, preview=preview, device=spec.device))
+    typical = _typical(spec, preview)
     return parts({stage: typical.get(str(stage), 0.0) for stage in Stage})
+
+
+def _typical(spec: BakeSpec, preview: bool) -> Mapping[str, float]:
+    return typical_seconds(BakeWork.of(spec, _TRIANGLES, preview=preview, device=spec.device))

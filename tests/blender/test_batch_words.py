@@ -59,7 +59,7 @@ def test_help_shows_every_option_with_its_default(command: str, capsys: pytest.C
     assert [flag for flag in HELP[command].split() if flag not in told] == []
     assert max(len(line) for line in told.splitlines()) <= 80
     if not command:
-        usage = "usage: bake.py SCENE --object NAME [options]\n       bake.py demo [options]\n"
+        usage = "usage: bake.py SCENE --object NAME [options]\n       bake.py SCENE --all [options]\n"
         assert told.startswith(usage)
     told = " ".join(told.split())
     if command == "export":

@@ -223,6 +223,7 @@ READERS: dict[str, str] = {
             "job/checks",
             "job/layout_choice",
             "job/assets",
+            "job/scene_atlases",
             "job/left_out",
             "job/preflight",
             "job/previews",

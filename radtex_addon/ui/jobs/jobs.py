@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from ...worker.job import Job
     from ...worker.order import Order
     from ...worker.queue import Queue
+    from ...worker.together import Together
     from ..settings.bake_settings import BakeSettings
 
 _PULSE = 0.5  # seconds between two polls of the workers, and so at least between two redraws for them
@@ -163,6 +164,15 @@ def add(
 def snapshot() -> tuple[Job, ...]:
     """The state of all jobs at the last poll, including ended ones."""
     return _session.shown
+
+
+def together() -> Together | None:
+    """The bakes that were asked for together with the one that runs; None if there is no other."""
+    from ...worker.together import together_of
+
+    now = monotonic()
+    spent = {number: now - begun for number, begun in _session.begun.items()}
+    return together_of(_session.shown, spent)
 
 
 def busy() -> bool:

@@ -172,20 +172,20 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
         try:
             names = self._names(scene, layer, at_once)
             if self.show_object and self.only == "all":
-                _show_objects(scene, names)
+                show_objects(scene, names)
             if not self._are_named:
                 names = self._bakeable(scene, names, at_once)
             plans = self._plans(scene, names)
             if self.show_object and self.only != "all":
                 replaced = [bake for plan in plans for bake in plan.replaced]
-                _show_objects(scene, [one for name, spec in replaced for one in spec.objects or (name,)])
+                show_objects(scene, [one for name, spec in replaced for one in spec.objects or (name,)])
             for plan in plans:
                 self._tell(plan)
-                _check(scene, plan)
+                check_plan(scene, plan)
             if not any(plan.wanted for plan in plans):
                 self.report({"INFO"}, "Nothing has changed: no bake is left to do")
             elif at_once:
-                self._bake(scene, plans, names)
+                bake_here(self, scene, plans, names)
             else:
                 jobs.submit(scene, plans, names)
         except RadTexError as error:
@@ -270,17 +270,20 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
         check_left([plan for plan in plans if not plan.request.only_changed])
         return [plan for plan in plans if plan.wanted or len(plans) == 1]
 
-    def _bake(self, scene: bpy.types.Scene, plans: Sequence[BakePlan], names: Sequence[str]) -> None:
-        """Bake in this process, in the order of the objects `names`, and report each bake."""
-        from ...bake.progress import finished
-        from ...job.bake_plan import in_order, steps_of_bakes
-        from ...job.variants import title_of
 
-        steps_of = {id(plan): steps_of_bakes(scene, plan) for plan in plans}
-        for plan, _ in in_order(plans, names):
-            name, spec, steps = next(steps_of[id(plan)])
-            finished(steps)
-            self.report({"INFO"}, f"Baked {title_of(name, spec)}")
+def bake_here(
+    operator: bpy.types.Operator, scene: bpy.types.Scene, plans: Sequence[BakePlan], names: Sequence[str]
+) -> None:
+    """Bake in this process, in the order of the objects `names`; the operator reports each bake."""
+    from ...bake.progress import finished
+    from ...job.bake_plan import in_order, steps_of_bakes
+    from ...job.variants import title_of
+
+    steps_of = {id(plan): steps_of_bakes(scene, plan) for plan in plans}
+    for plan, _ in in_order(plans, names):
+        name, spec, steps = next(steps_of[id(plan)])
+        finished(steps)
+        operator.report({"INFO"}, f"Baked {title_of(name, spec)}")
 
 
 def questions(plans: Sequence[BakePlan]) -> tuple[str, ...]:
@@ -342,7 +345,7 @@ def _free(scene: bpy.types.Scene, names: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(free) or names
 
 
-def _show_objects(scene: bpy.types.Scene, names: Sequence[str]) -> None:
+def show_objects(scene: bpy.types.Scene, names: Sequence[str]) -> None:
     """Switch the previews of these objects off: a step to undo."""
     from ...preview.swap import is_on, switch_off
 
@@ -371,7 +374,7 @@ def shown(context: bpy.types.Context | None) -> tuple[bpy.types.Scene, bpy.types
     return cast(bpy.types.Scene, context.scene), cast(bpy.types.ViewLayer, context.view_layer)
 
 
-def _check(scene: bpy.types.Scene, plan: BakePlan) -> None:
+def check_plan(scene: bpy.types.Scene, plan: BakePlan) -> None:
     """Check for errors before baking. Raises InputError with the first one found."""
     from ...core.errors import InputError
     from ...job.bake_plan import preflight

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from ...worker.job import Job, JobMap
+    from ...worker.together import Together
 
 _ICONS = {
     "waiting": "SORTTIME",
@@ -54,11 +55,22 @@ class RADTEX_PT_jobs(Sidebar, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context | None) -> None:
         layout: Any = self.layout
+        together = jobs.together()
+        if together is not None:
+            layout.progress(factor=together.fraction, text=told_together(together), translate=False)
         for job in jobs.snapshot():
             _draw_job(layout.box().column(align=True), job)
         row = layout.row(align=True)
         row.operator("radtex.cancel", text="Cancel All", icon="CANCEL")
         row.operator("radtex.clear_jobs", icon="X")
+
+
+def told_together(together: Together) -> str:
+    """How many of several bakes are done, and the time left, if that is known."""
+    told = iface_("{} of {} bakes").format(together.done, together.count)
+    if together.seconds_left is None:
+        return told
+    return iface_("{}, {} left").format(told, duration(together.seconds_left))
 
 
 def job_title(job: Job) -> str:
@@ -119,14 +131,14 @@ def _ask_to_resume(button: Any, job: Job) -> None:
     """Let the operator go on with the job's bake: of its object, or of those that share its atlas."""
     order = job.order
     button.part, button.resume, button.overwrite = order.part, True, False
+    spec = order.facts["spec"]
+    if spec["density"] is None:  # those of a shared atlas, or of a scene's, are not the panel's
+        button.texels = spec["texels"]
     if not order.shared:
         button.object = job.object
         return
     button.objects = "\n".join(order.shared)
     button.together, button.atlas_name = "one", job.object
-    spec = order.facts["spec"]
-    if spec["density"] is None:  # it has more texels than its objects by themselves
-        button.texels = spec["texels"]
 
 
 def _can_resume(job: Job, others: Iterable[Job]) -> bool:

@@ -179,6 +179,8 @@ def _draw_buttons(layout: Any, found: Forecast | None) -> None:
     else:
         text = iface_("Being Baked" if doing is Next.WAIT else "Bake Radiance Texture")
         _draw_bake(row, found, text, "RENDER_STILL")
+    row = layout.row(align=True)
+    row.operator("radtex.bake_scene", text=iface_("Bake the Scene…"), icon="SCENE_DATA", translate=False)
     can_choose = doing in (Next.RESUME, Next.REPLACE) and found is not None and not found.unfinished
     if found is not None and can_choose and found.finished > 1:
         row = layout.row(align=True)

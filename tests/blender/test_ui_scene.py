@@ -1,0 +1,156 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The panel bakes a scene in one go: what it foresees, bakes and leaves, and one bar over all jobs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, cast
+
+import bpy
+import pytest
+
+from radtex_addon.job.bake_plan import plan_bakes
+from radtex_addon.ui.jobs import jobs
+from radtex_addon.ui.operators.scene_operator import RADTEX_OT_bake_scene
+from radtex_addon.ui.panel import main_panel
+from radtex_addon.ui.panel.jobs_panel import _ask_to_resume, told_together
+from radtex_addon.ui.settings.request import request_of, values_of
+from radtex_addon.worker.job import Job, JobState
+from radtex_addon.worker.together import Together, together_of
+from tests.blender import stage
+from tests.blender.recorded_layout import RecordedLayout
+from tests.blender.ui_stage import context, finish_jobs, ops, registered, settings
+
+FURNITURE = ("Cup", "Top")
+
+
+@pytest.fixture(autouse=True)
+def _corner(out: Path) -> Iterator[None]:
+    """A table with a cup on it in the corner of two walls and a floor, a lonely ball, and a text."""
+    stage.world()
+    gloss = stage.material("Gloss", "ShaderNodeBsdfPrincipled", Roughness=0.3)
+    for name, place, turn in (
+        ("Floor", (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)),
+        ("Wall N", (0.0, 2.0, 2.0), (1.5708, 0.0, 0.0)),
+        ("Wall W", (-2.0, 0.0, 2.0), (0.0, 1.5708, 0.0)),
+    ):
+        bpy.ops.mesh.primitive_plane_add(size=4, location=place, rotation=turn)
+        context.object.name = name
+    for name, size, place in (("Top", 0.8, (1.0, 1.0, 0.5)), ("Cup", 0.2, (1.0, 1.0, 1.0))):
+        bpy.ops.mesh.primitive_cube_add(size=size, location=place)
+        context.object.name = name
+    for item in context.scene.objects:
+        item.data.materials.append(gloss)
+    bpy.ops.object.text_add()
+    bpy.ops.object.select_all(action="DESELECT")
+    with registered():
+        settings().directory = str(out)
+        settings().texels, settings().samples, settings().unwrap = 12, 1, "blender"
+        yield
+
+
+def foreseen(what: str = "ALL", *, again: bool = False) -> list[tuple[str, str]]:
+    """What the dialog says."""
+    dialog: Any = SimpleNamespace(what=what, again=again, at_once=True, _drawn=None)
+    for name in ("_foreseen", "_found", "_chosen", "_plans"):
+        setattr(dialog, name, getattr(RADTEX_OT_bake_scene, name).__get__(dialog))
+    assert RADTEX_OT_bake_scene.check(dialog, context)
+    assert not RADTEX_OT_bake_scene.check(dialog, context), "nothing has changed"
+    dialog.layout, dialog.bl_rna = RecordedLayout(), ops.radtex.bake_scene.get_rna_type()
+    RADTEX_OT_bake_scene.draw(dialog, context)
+    return list(dialog._lines)
+
+
+def test_the_dialog_tells_atlases_texels_and_time() -> None:
+    lines = foreseen()
+    assert next(line for line, icon in lines if icon == "TEXTURE").startswith(
+        "'Scene_shell' has 'Floor', 'Wall N' and 'Wall W': "
+    )
+    assert any(
+        line.startswith("2 bakes are left to do, in roughly") for line, icon in lines if icon == "TIME"
+    )
+    for name in FURNITURE:
+        context.scene.objects[name].select_set(True)
+    assert [line.partition(":")[0] for line, icon in foreseen("SELECTED") if icon == "TEXTURE"] == [
+        "'Top_group' has 'Cup' and 'Top'"
+    ]
+    context.scene.objects["Cup"].radtex.use = True
+    assert [line.partition(":")[0] for line, icon in foreseen("SELECTED") if icon == "TEXTURE"] == ["'Top'"]
+    bpy.ops.object.select_all(action="DESELECT")
+    context.view_layer.objects.active = None
+    assert foreseen("SELECTED") == [
+        ("There is no mesh to bake that is seen in renders: choose others", "ERROR")
+    ]
+
+
+@pytest.mark.one_blender
+def test_the_scene_is_baked_once_and_again_if_asked(out: Path) -> None:
+    assert ops.radtex.bake_scene() == {"FINISHED"}
+    found = sorted(out.glob("*.radiance.json"))
+    assert [path.name for path in found] == ["Scene_shell.radiance.json", "Top_group.radiance.json"]
+    assert [path.name for path in sorted(out.glob("*.preview.blend"))] == [
+        "Scene_shell.preview.blend",
+        "Top_group.preview.blend",
+    ]
+    before = [path.stat().st_mtime_ns for path in found]
+    assert ("All of it is baked", "CHECKMARK") in foreseen()
+    assert ops.radtex.bake_scene() == {"FINISHED"}
+    assert [path.stat().st_mtime_ns for path in found] == before
+    for path in out.glob("Top_group.*"):
+        path.unlink()
+    assert ops.radtex.bake_scene() == {"FINISHED"}
+    assert found[1].exists()
+    assert found[0].stat().st_mtime_ns == before[0], "what is there stays"
+    bpy.ops.object.select_all(action="DESELECT")
+    for name in FURNITURE:
+        context.scene.objects[name].select_set(True)
+    before = [path.stat().st_mtime_ns for path in found]
+    assert ops.radtex.bake_scene(what="SELECTED", again=True) == {"FINISHED"}
+    after = [path.stat().st_mtime_ns for path in found]
+    assert (after[0] == before[0], after[1] > before[1]) == (True, True)
+
+
+def test_the_panel_has_the_button() -> None:
+    layout: Any = RecordedLayout()
+    main_panel._draw_buttons(layout, None)
+    assert "Bake the Scene…" in layout.texts
+
+
+@pytest.mark.one_blender
+def test_one_bar_goes_over_the_bakes_of_a_scene() -> None:
+    """By workers, in layout buckets, which is quick, and has an atlas for each object."""
+    settings().atlas_layout, settings().bucket, settings().preview = "buckets", 2, False
+    request = request_of(values_of(settings()) | {"together": "off"}, ("Cup", "Top"))
+    jobs.submit(context.scene, [plan_bakes(context.scene, request)])
+    seen: list[Together] = []
+    while jobs.busy():
+        jobs.advance()
+        if (found := jobs.together()) is not None and (not seen or found != seen[-1]):
+            seen.append(found)
+    finish_jobs()
+    assert {(each.done, each.count) for each in seen} == {(0, 2), (1, 2)}
+    fractions = [each.fraction for each in seen]
+    assert fractions == sorted(fractions)
+    assert 0.5 <= fractions[-1] <= 1
+    assert jobs.together() is None
+    assert told_together(replace(seen[-1], seconds_left=100.0)) == "1 of 2 bakes, 2 min left"
+    running, other = (replace(job, state=JobState.RUNNING, fraction=0.5) for job in jobs.snapshot())
+    waiting = replace(other, state=JobState.WAITING, fraction=0.0)
+    told = together_of([running, waiting], {running.number: 10.0})
+    assert told is not None
+    assert told.fraction == pytest.approx(0.25)
+    assert told.seconds_left == pytest.approx(30.0), "as the pace says"
+    assert together_of([running], {}) is None
+    elsewhere = replace(waiting, order=replace(waiting.order, folder=Path("elsewhere")))
+    assert together_of([running, elsewhere], {}) is None, "it was not asked for at the same time"
+
+
+def test_an_object_of_a_scene_is_resumed_with_its_texels() -> None:
+    order: Any = SimpleNamespace(part="", shared=(), facts={"spec": {"density": None, "texels": 304}})
+    button = SimpleNamespace()
+    _ask_to_resume(button, cast(Job, SimpleNamespace(order=order, object="Floor")))
+    assert (button.object, button.texels, button.resume) == ("Floor", 304, True)
