@@ -253,48 +253,6 @@ vec4 radtex_picture(sampler2D image, vec4 range, vec4 levels, vec3 d, float spre
     return vec4(found.rgb * range.z + range.w, found.a);
 }
 
-#if RADTEX_LAMPS > 0
-// What a lobe of that width² shows of a lamp.
-vec3 radtex_lamp(vec4 place, vec4 light, vec3 from, vec3 ray, float width, float free) {
-    vec3 towards = place.xyz - from;
-    float squared = dot(towards, towards), nearer = dot(place.xyz, place.xyz) / squared;
-    float wide = width + place.w * nearer;
-    float off = wide + 1.0 - dot(ray, towards) * inversesqrt(squared);
-    float open = light.w > 0.5 ? free : 1.0;
-    return light.rgb * (open * nearer * (1.0 + 0.5 * wide) * wide / (6.2831853 * off * off));
-}
-#endif
-
-// `free`: how much is open to what lies behind the layers.
-vec3 radtex_lamps(vec3 from, vec3 ray, float width, float free) {
-    vec3 light = vec3(0.0, 0.0, 0.0);
-#if RADTEX_LAMPS > 0
-    light += radtex_lamp(radtex_lamp_place[0], radtex_lamp_light[0], from, ray, width, free);
-#endif
-#if RADTEX_LAMPS > 1
-    light += radtex_lamp(radtex_lamp_place[1], radtex_lamp_light[1], from, ray, width, free);
-#endif
-#if RADTEX_LAMPS > 2
-    light += radtex_lamp(radtex_lamp_place[2], radtex_lamp_light[2], from, ray, width, free);
-#endif
-#if RADTEX_LAMPS > 3
-    light += radtex_lamp(radtex_lamp_place[3], radtex_lamp_light[3], from, ray, width, free);
-#endif
-#if RADTEX_LAMPS > 4
-    light += radtex_lamp(radtex_lamp_place[4], radtex_lamp_light[4], from, ray, width, free);
-#endif
-#if RADTEX_LAMPS > 5
-    light += radtex_lamp(radtex_lamp_place[5], radtex_lamp_light[5], from, ray, width, free);
-#endif
-#if RADTEX_LAMPS > 6
-    light += radtex_lamp(radtex_lamp_place[6], radtex_lamp_light[6], from, ray, width, free);
-#endif
-#if RADTEX_LAMPS > 7
-    light += radtex_lamp(radtex_lamp_place[7], radtex_lamp_light[7], from, ray, width, free);
-#endif
-    return light;
-}
-
 #ifdef RADTEX_PLANE
 // What a lobe shows of the plane, and by how much that hides what lies behind: the mean direction of the share of the
 // lobe that is below the horizon meets the plane, where its picture's eye sees the lobe wider or narrower.
@@ -413,13 +371,69 @@ vec4 radtex_met(vec3 from, vec3 ray) {
 #endif
 }
 
+#if RADTEX_SHELL > 0
+// How much of what lies behind all layers is seen between them, about the unit ray and as wide as `spread` says.
+float radtex_free_way(vec3 from, vec3 ray, float spread) {
+    float free = 1.0 - radtex_walls(from, ray, spread).a;
+#ifdef RADTEX_THINGS
+    vec4 met = radtex_met(from, ray);
+    vec4 found = radtex_picture(radtex_things_map, radtex_things_range, radtex_things_levels, met.xyz, spread + met.w);
+    free *= 1.0 - found.a;
+#endif
+    return free;
+}
+#endif
+
+#if RADTEX_LAMPS > 0
+// What a lobe of that width² shows of a lamp.
+vec3 radtex_lamp(vec4 place, vec4 light, vec3 from, vec3 ray, float width) {
+    vec3 towards = place.xyz - from;
+    float squared = dot(towards, towards), nearer = dot(place.xyz, place.xyz) / squared;
+    float wide = width + place.w * nearer;
+    float off = wide + 1.0 - dot(ray, towards) * inversesqrt(squared);
+    float free = 1.0;
+#if RADTEX_SHELL > 0
+    if (light.w > 0.5) free = radtex_free_way(from, towards * inversesqrt(squared), log2(place.w * nearer));
+#endif
+    return light.rgb * (free * nearer * (1.0 + 0.5 * wide) * wide / (6.2831853 * off * off));
+}
+#endif
+
+vec3 radtex_lamps(vec3 from, vec3 ray, float width) {
+    vec3 light = vec3(0.0, 0.0, 0.0);
+#if RADTEX_LAMPS > 0
+    light += radtex_lamp(radtex_lamp_place[0], radtex_lamp_light[0], from, ray, width);
+#endif
+#if RADTEX_LAMPS > 1
+    light += radtex_lamp(radtex_lamp_place[1], radtex_lamp_light[1], from, ray, width);
+#endif
+#if RADTEX_LAMPS > 2
+    light += radtex_lamp(radtex_lamp_place[2], radtex_lamp_light[2], from, ray, width);
+#endif
+#if RADTEX_LAMPS > 3
+    light += radtex_lamp(radtex_lamp_place[3], radtex_lamp_light[3], from, ray, width);
+#endif
+#if RADTEX_LAMPS > 4
+    light += radtex_lamp(radtex_lamp_place[4], radtex_lamp_light[4], from, ray, width);
+#endif
+#if RADTEX_LAMPS > 5
+    light += radtex_lamp(radtex_lamp_place[5], radtex_lamp_light[5], from, ray, width);
+#endif
+#if RADTEX_LAMPS > 6
+    light += radtex_lamp(radtex_lamp_place[6], radtex_lamp_light[6], from, ray, width);
+#endif
+#if RADTEX_LAMPS > 7
+    light += radtex_lamp(radtex_lamp_place[7], radtex_lamp_light[7], from, ray, width);
+#endif
+    return light;
+}
+
 // What a lobe about the unit ray, of a width² whose log2 is `spread`, shows of the surroundings from a place that is
 // given from the middle; `met` is radtex_met of both.
 vec3 radtex_shown(vec3 from, vec3 ray, vec4 met, float spread) {
     vec3 light = radtex_blurred(radtex_world_map, radtex_world_levels, ray, spread).rgb * radtex_world_range.z
         + radtex_world_range.w;
     vec4 before;
-    float free = 1.0;
 #ifdef RADTEX_PLANE
 #if RADTEX_SHELL > 0
     before = radtex_walls(from, ray, spread);
@@ -427,14 +441,12 @@ vec3 radtex_shown(vec3 from, vec3 ray, vec4 met, float spread) {
     before = radtex_below(from, ray, spread);
 #endif
     light = light * (1.0 - before.a) + before.rgb;
-    free *= 1.0 - before.a;
 #endif
 #ifdef RADTEX_THINGS
     before = radtex_picture(radtex_things_map, radtex_things_range, radtex_things_levels, met.xyz, spread + met.w);
     light = light * (1.0 - before.a) + before.rgb;
-    free *= 1.0 - before.a;
 #endif
-    return light + radtex_lamps(from, ray, exp2(spread), free);
+    return light + radtex_lamps(from, ray, exp2(spread));
 }
 #endif
 

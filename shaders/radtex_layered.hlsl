@@ -265,48 +265,6 @@ float4 radtex_picture(Texture2D image, float4 range, float4 levels, float3 d, fl
     return float4(found.rgb * range.z + range.w, found.a);
 }
 
-#if RADTEX_LAMPS > 0
-// What a lobe of that width² shows of a lamp.
-float3 radtex_lamp(float4 place, float4 light, float3 from, float3 ray, float width, float free) {
-    float3 towards = place.xyz - from;
-    float squared = dot(towards, towards), nearer = dot(place.xyz, place.xyz) / squared;
-    float wide = width + place.w * nearer;
-    float off = wide + 1.0 - dot(ray, towards) * rsqrt(squared);
-    float open = light.w > 0.5 ? free : 1.0;
-    return light.rgb * (open * nearer * (1.0 + 0.5 * wide) * wide / (6.2831853 * off * off));
-}
-#endif
-
-// `free`: how much is open to what lies behind the layers.
-float3 radtex_lamps(float3 from, float3 ray, float width, float free) {
-    float3 light = float3(0.0, 0.0, 0.0);
-#if RADTEX_LAMPS > 0
-    light += radtex_lamp(radtex_lamp_place[0], radtex_lamp_light[0], from, ray, width, free);
-#endif
-#if RADTEX_LAMPS > 1
-    light += radtex_lamp(radtex_lamp_place[1], radtex_lamp_light[1], from, ray, width, free);
-#endif
-#if RADTEX_LAMPS > 2
-    light += radtex_lamp(radtex_lamp_place[2], radtex_lamp_light[2], from, ray, width, free);
-#endif
-#if RADTEX_LAMPS > 3
-    light += radtex_lamp(radtex_lamp_place[3], radtex_lamp_light[3], from, ray, width, free);
-#endif
-#if RADTEX_LAMPS > 4
-    light += radtex_lamp(radtex_lamp_place[4], radtex_lamp_light[4], from, ray, width, free);
-#endif
-#if RADTEX_LAMPS > 5
-    light += radtex_lamp(radtex_lamp_place[5], radtex_lamp_light[5], from, ray, width, free);
-#endif
-#if RADTEX_LAMPS > 6
-    light += radtex_lamp(radtex_lamp_place[6], radtex_lamp_light[6], from, ray, width, free);
-#endif
-#if RADTEX_LAMPS > 7
-    light += radtex_lamp(radtex_lamp_place[7], radtex_lamp_light[7], from, ray, width, free);
-#endif
-    return light;
-}
-
 #ifdef RADTEX_PLANE
 // What a lobe shows of the plane, and by how much that hides what lies behind: the mean direction of the share of the
 // lobe that is below the horizon meets the plane, where its picture's eye sees the lobe wider or narrower.
@@ -425,13 +383,70 @@ float4 radtex_met(float3 from, float3 ray) {
 #endif
 }
 
+#if RADTEX_SHELL > 0
+// How much of what lies behind all layers is seen between them, about the unit ray and as wide as `spread` says.
+float radtex_free_way(float3 from, float3 ray, float spread) {
+    float free = 1.0 - radtex_walls(from, ray, spread).a;
+#ifdef RADTEX_THINGS
+    float4 met = radtex_met(from, ray);
+    float4 found = radtex_picture(radtex_things_map, radtex_things_range, radtex_things_levels, met.xyz, spread
+        + met.w);
+    free *= 1.0 - found.a;
+#endif
+    return free;
+}
+#endif
+
+#if RADTEX_LAMPS > 0
+// What a lobe of that width² shows of a lamp.
+float3 radtex_lamp(float4 place, float4 light, float3 from, float3 ray, float width) {
+    float3 towards = place.xyz - from;
+    float squared = dot(towards, towards), nearer = dot(place.xyz, place.xyz) / squared;
+    float wide = width + place.w * nearer;
+    float off = wide + 1.0 - dot(ray, towards) * rsqrt(squared);
+    float free = 1.0;
+#if RADTEX_SHELL > 0
+    if (light.w > 0.5) free = radtex_free_way(from, towards * rsqrt(squared), log2(place.w * nearer));
+#endif
+    return light.rgb * (free * nearer * (1.0 + 0.5 * wide) * wide / (6.2831853 * off * off));
+}
+#endif
+
+float3 radtex_lamps(float3 from, float3 ray, float width) {
+    float3 light = float3(0.0, 0.0, 0.0);
+#if RADTEX_LAMPS > 0
+    light += radtex_lamp(radtex_lamp_place[0], radtex_lamp_light[0], from, ray, width);
+#endif
+#if RADTEX_LAMPS > 1
+    light += radtex_lamp(radtex_lamp_place[1], radtex_lamp_light[1], from, ray, width);
+#endif
+#if RADTEX_LAMPS > 2
+    light += radtex_lamp(radtex_lamp_place[2], radtex_lamp_light[2], from, ray, width);
+#endif
+#if RADTEX_LAMPS > 3
+    light += radtex_lamp(radtex_lamp_place[3], radtex_lamp_light[3], from, ray, width);
+#endif
+#if RADTEX_LAMPS > 4
+    light += radtex_lamp(radtex_lamp_place[4], radtex_lamp_light[4], from, ray, width);
+#endif
+#if RADTEX_LAMPS > 5
+    light += radtex_lamp(radtex_lamp_place[5], radtex_lamp_light[5], from, ray, width);
+#endif
+#if RADTEX_LAMPS > 6
+    light += radtex_lamp(radtex_lamp_place[6], radtex_lamp_light[6], from, ray, width);
+#endif
+#if RADTEX_LAMPS > 7
+    light += radtex_lamp(radtex_lamp_place[7], radtex_lamp_light[7], from, ray, width);
+#endif
+    return light;
+}
+
 // What a lobe about the unit ray, of a width² whose log2 is `spread`, shows of the surroundings from a place that is
 // given from the middle; `met` is radtex_met of both.
 float3 radtex_shown(float3 from, float3 ray, float4 met, float spread) {
     float3 light = radtex_blurred(radtex_world_map, radtex_world_levels, ray, spread).rgb * radtex_world_range.z
         + radtex_world_range.w;
     float4 before;
-    float free = 1.0;
 #ifdef RADTEX_PLANE
 #if RADTEX_SHELL > 0
     before = radtex_walls(from, ray, spread);
@@ -439,14 +454,12 @@ float3 radtex_shown(float3 from, float3 ray, float4 met, float spread) {
     before = radtex_below(from, ray, spread);
 #endif
     light = light * (1.0 - before.a) + before.rgb;
-    free *= 1.0 - before.a;
 #endif
 #ifdef RADTEX_THINGS
     before = radtex_picture(radtex_things_map, radtex_things_range, radtex_things_levels, met.xyz, spread + met.w);
     light = light * (1.0 - before.a) + before.rgb;
-    free *= 1.0 - before.a;
 #endif
-    return light + radtex_lamps(from, ray, exp2(spread), free);
+    return light + radtex_lamps(from, ray, exp2(spread));
 }
 #endif
 

@@ -207,47 +207,6 @@ fn radtex_picture(image: texture_2d<f32>, range: vec4f, levels: vec4f, d: vec3f,
     return vec4f(found.rgb * range.z + range.w, found.a);
 }
 
-// What a lobe of that width² shows of a lamp.
-fn radtex_lamp(place: vec4f, light: vec4f, whence: vec3f, ray: vec3f, width: f32, free: f32) -> vec3f {
-    let towards = place.xyz - whence;
-    let squared = dot(towards, towards);
-    let nearer = dot(place.xyz, place.xyz) / squared;
-    let wide = width + place.w * nearer;
-    let off = wide + 1.0 - dot(ray, towards) * inverseSqrt(squared);
-    let open = select(1.0, free, light.w > 0.5);
-    return light.rgb * (open * nearer * (1.0 + 0.5 * wide) * wide / (6.2831853 * off * off));
-}
-
-// `free`: how much is open to what lies behind the layers.
-fn radtex_lamps(whence: vec3f, ray: vec3f, width: f32, free: f32) -> vec3f {
-    var light = vec3f(0.0, 0.0, 0.0);
-    if RADTEX_LAMPS > 0 {
-        light += radtex_lamp(radtex.lamp_place[0], radtex.lamp_light[0], whence, ray, width, free);
-    }
-    if RADTEX_LAMPS > 1 {
-        light += radtex_lamp(radtex.lamp_place[1], radtex.lamp_light[1], whence, ray, width, free);
-    }
-    if RADTEX_LAMPS > 2 {
-        light += radtex_lamp(radtex.lamp_place[2], radtex.lamp_light[2], whence, ray, width, free);
-    }
-    if RADTEX_LAMPS > 3 {
-        light += radtex_lamp(radtex.lamp_place[3], radtex.lamp_light[3], whence, ray, width, free);
-    }
-    if RADTEX_LAMPS > 4 {
-        light += radtex_lamp(radtex.lamp_place[4], radtex.lamp_light[4], whence, ray, width, free);
-    }
-    if RADTEX_LAMPS > 5 {
-        light += radtex_lamp(radtex.lamp_place[5], radtex.lamp_light[5], whence, ray, width, free);
-    }
-    if RADTEX_LAMPS > 6 {
-        light += radtex_lamp(radtex.lamp_place[6], radtex.lamp_light[6], whence, ray, width, free);
-    }
-    if RADTEX_LAMPS > 7 {
-        light += radtex_lamp(radtex.lamp_place[7], radtex.lamp_light[7], whence, ray, width, free);
-    }
-    return light;
-}
-
 // What a lobe shows of the plane, and by how much that hides what lies behind: the mean direction of the share of the
 // lobe that is below the horizon meets the plane, where its picture's eye sees the lobe wider or narrower.
 fn radtex_below(whence: vec3f, ray: vec3f, spread: f32) -> vec4f {
@@ -369,13 +328,67 @@ fn radtex_met(whence: vec3f, ray: vec3f) -> vec4f {
     }
 }
 
+// How much of what lies behind all layers is seen between them, about the unit ray and as wide as `spread` says.
+fn radtex_free_way(whence: vec3f, ray: vec3f, spread: f32) -> f32 {
+    var free = 1.0 - radtex_walls(whence, ray, spread).a;
+    if RADTEX_THINGS {
+        let met = radtex_met(whence, ray);
+        let found = radtex_picture(radtex_things_map, radtex.things_range, radtex.things_levels, met.xyz, spread
+            + met.w);
+        free *= 1.0 - found.a;
+    }
+    return free;
+}
+
+// What a lobe of that width² shows of a lamp.
+fn radtex_lamp(place: vec4f, light: vec4f, whence: vec3f, ray: vec3f, width: f32) -> vec3f {
+    let towards = place.xyz - whence;
+    let squared = dot(towards, towards);
+    let nearer = dot(place.xyz, place.xyz) / squared;
+    let wide = width + place.w * nearer;
+    let off = wide + 1.0 - dot(ray, towards) * inverseSqrt(squared);
+    var free = 1.0;
+    if RADTEX_SHELL > 0 {
+        if light.w > 0.5 { free = radtex_free_way(whence, towards * inverseSqrt(squared), log2(place.w * nearer)); }
+    }
+    return light.rgb * (free * nearer * (1.0 + 0.5 * wide) * wide / (6.2831853 * off * off));
+}
+
+fn radtex_lamps(whence: vec3f, ray: vec3f, width: f32) -> vec3f {
+    var light = vec3f(0.0, 0.0, 0.0);
+    if RADTEX_LAMPS > 0 {
+        light += radtex_lamp(radtex.lamp_place[0], radtex.lamp_light[0], whence, ray, width);
+    }
+    if RADTEX_LAMPS > 1 {
+        light += radtex_lamp(radtex.lamp_place[1], radtex.lamp_light[1], whence, ray, width);
+    }
+    if RADTEX_LAMPS > 2 {
+        light += radtex_lamp(radtex.lamp_place[2], radtex.lamp_light[2], whence, ray, width);
+    }
+    if RADTEX_LAMPS > 3 {
+        light += radtex_lamp(radtex.lamp_place[3], radtex.lamp_light[3], whence, ray, width);
+    }
+    if RADTEX_LAMPS > 4 {
+        light += radtex_lamp(radtex.lamp_place[4], radtex.lamp_light[4], whence, ray, width);
+    }
+    if RADTEX_LAMPS > 5 {
+        light += radtex_lamp(radtex.lamp_place[5], radtex.lamp_light[5], whence, ray, width);
+    }
+    if RADTEX_LAMPS > 6 {
+        light += radtex_lamp(radtex.lamp_place[6], radtex.lamp_light[6], whence, ray, width);
+    }
+    if RADTEX_LAMPS > 7 {
+        light += radtex_lamp(radtex.lamp_place[7], radtex.lamp_light[7], whence, ray, width);
+    }
+    return light;
+}
+
 // What a lobe about the unit ray, of a width² whose log2 is `spread`, shows of the surroundings from a place that is
 // given from the middle; `met` is radtex_met of both.
 fn radtex_shown(whence: vec3f, ray: vec3f, met: vec4f, spread: f32) -> vec3f {
     var light = radtex_blurred(radtex_world_map, radtex.world_levels, ray, spread).rgb * radtex.world_range.z
         + radtex.world_range.w;
     var before: vec4f;
-    var free = 1.0;
     if RADTEX_PLANE {
         if RADTEX_SHELL > 0 {
             before = radtex_walls(whence, ray, spread);
@@ -383,14 +396,12 @@ fn radtex_shown(whence: vec3f, ray: vec3f, met: vec4f, spread: f32) -> vec3f {
             before = radtex_below(whence, ray, spread);
         }
         light = light * (1.0 - before.a) + before.rgb;
-        free *= 1.0 - before.a;
     }
     if RADTEX_THINGS {
         before = radtex_picture(radtex_things_map, radtex.things_range, radtex.things_levels, met.xyz, spread + met.w);
         light = light * (1.0 - before.a) + before.rgb;
-        free *= 1.0 - before.a;
     }
-    return light + radtex_lamps(whence, ray, exp2(spread), free);
+    return light + radtex_lamps(whence, ray, exp2(spread));
 }
 
 // What the object shows of itself in the direction that lies at a place on the square, and how much it leaves free.

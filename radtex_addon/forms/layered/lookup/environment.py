@@ -310,13 +310,24 @@ class Around:
         Blurred by variances (N,), radians² along each of two axes. Components had better lie apart in memory.
         """
         axis, offset = axis.astype(np.float32), offset.astype(np.float32)
-        light, free = self.world.look(axis, variance), np.float32(1)
+        light = self.world.look(axis, variance)
         for layer in self.layers:
             seen = layer.seen(offset, axis, variance)
-            light, free = light * (1 - seen[3]) + seen[:3], free * (1 - seen[3])
+            light = light * (1 - seen[3]) + seen[:3]
         for lamp in self.lamps:
-            light = light + lamp.light(offset, axis, variance) * (free if lamp.behind else 1)
+            shown = lamp.light(offset, axis, variance)
+            light = light + (shown * self._open(offset, lamp) if lamp.behind else shown)
         return light.astype(np.float32)
+
+    def _open(self, offset: Floats, lamp: Lamp) -> Floats:
+        """How much of a lamp behind the layers is seen between them from offsets (N, 3): (N,)."""
+        towards = (lamp.place - offset).astype(np.float32)
+        distance = np.linalg.norm(towards, axis=1)
+        axis, wide = towards / distance[:, None], lamp.variance * (lamp.place @ lamp.place) / distance**2
+        free = np.ones(len(offset), dtype=np.float32)
+        for layer in self.layers:
+            free *= 1 - layer.seen(offset, axis, wide.astype(np.float32))[3]
+        return free
 
 
 def lamps_of(

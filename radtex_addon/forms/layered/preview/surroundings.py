@@ -41,15 +41,30 @@ def around_group(
         "RadTex Surroundings", Offset="Vector", Axis="Vector", Spread="Float"
     )
     light, _ = build.group(world, axis, spread)
-    free = build.value(1.0, "open to what lies behind the layers")
     for layer in near:
         there, along, wide = _all_late(build, offset, axis, spread, light)
-        light, free = build.group(layer, light, free, there, along, wide)
+        light, _ = build.group(layer, light, 1.0, there, along, wide)
     for one in facts.lamps if lamp is not None else ():
         there, along, wide = _all_late(build, offset, axis, spread, light)
         (shown,) = build.group(lamp, there, along, wide, *_lamp_facts(one))  # type: ignore[arg-type]
-        light = build.vector("ADD", light, build.vector("SCALE", shown, free) if one.behind else shown)
+        if one.behind:
+            shown = build.vector("SCALE", shown, _open(build, near, offset, shown, one))
+        light = build.vector("ADD", light, shown)
     return close_group(build, Light=light)
+
+
+def _open(
+    build: NodeBuilder, near: list[bpy.types.ShaderNodeTree], offset: Socket, known: Socket, lamp: Lamp
+) -> Socket:
+    """`Around._open`, evaluated after what is known."""
+    free = build.value(1.0)
+    for layer in near:
+        there, _, _ = _all_late(build, offset, offset, free, known)
+        towards = build.vector("SUBTRACT", constant(lamp.place), there)
+        squared = build.vector("DOT_PRODUCT", towards, towards)
+        wide = build.math("DIVIDE", float(lamp.variance * (lamp.place @ lamp.place)), squared)
+        known, free = build.group(layer, known, free, there, build.vector("NORMALIZE", towards), wide)
+    return free
 
 
 def picture_group(
