@@ -27,7 +27,7 @@ from radtex_addon.forms.layered.preview.osl import add_layered_osl_node
 from radtex_addon.scene.nodes import NodeBuilder, Socket
 from tests.blender.lookup_stage import ENGINES, Inputs, LookupStage, Shader, data_image
 from tests.layered.made_up import made_up_atlas, made_up_fragments
-from tests.layered_lookups import CASES, FACTS, SIZE, TEXELS, off
+from tests.layered_lookups import CASES, FACTS, SIZE, TEXELS, in_a_room, off
 from tests.lookups import COUNT, SIDE, Lookups
 
 _RNG = np.random.default_rng(7)
@@ -69,9 +69,18 @@ def clear_group(atlas: LayeredAtlas) -> LayeredAtlas:
     return replace(atlas, through=Through(ways, _values(*coarse, 3), _values(*coarse, 8, 8, 3)))
 
 
+def lit_from_inside(room: LayeredAtlas) -> LayeredAtlas:
+    """Without a sun, which Blender 4.5's previews let furniture hide nowhere."""
+    lamps = tuple(lamp for lamp in room.around.lamps if not lamp.behind)
+    return replace(room, around=replace(room.around, lamps=lamps))
+
+
 GROUPS: dict[str, Callable[[LayeredAtlas], LayeredAtlas]] = {
     "plain": lambda atlas: atlas,
     "bare": bare_group,
+    "room": lambda atlas: (
+        in_a_room(atlas) if bpy.app.version >= (5, 0) else lit_from_inside(in_a_room(atlas))
+    ),
     "all": lambda atlas: clear_group(with_maps(atlas)) if SHOWS_THROUGH else with_maps(atlas),
 }
 

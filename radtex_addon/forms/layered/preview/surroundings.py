@@ -40,30 +40,32 @@ def around_group(
     build, (offset, axis, spread) = open_group(
         "RadTex Surroundings", Offset="Vector", Axis="Vector", Spread="Float"
     )
-    light, _ = build.group(world, axis, spread)
+    along, wide, opened = axis, spread, {}
+    for one in (one for one in facts.lamps if one.behind):  # first of all, while few values are kept
+        opened[one] = _open(build, near, offset, wide, one)
+        _, along, wide = _all_late(build, offset, axis, spread, opened[one])
+    light, _ = build.group(world, along, wide)
     for layer in near:
         there, along, wide = _all_late(build, offset, axis, spread, light)
         light, _ = build.group(layer, light, 1.0, there, along, wide)
     for one in facts.lamps if lamp is not None else ():
         there, along, wide = _all_late(build, offset, axis, spread, light)
         (shown,) = build.group(lamp, there, along, wide, *_lamp_facts(one))  # type: ignore[arg-type]
-        if one.behind:
-            shown = build.vector("SCALE", shown, _open(build, near, offset, shown, one))
-        light = build.vector("ADD", light, shown)
+        light = build.vector("ADD", light, build.vector("SCALE", shown, opened[one]) if one.behind else shown)
     return close_group(build, Light=light)
 
 
 def _open(
     build: NodeBuilder, near: list[bpy.types.ShaderNodeTree], offset: Socket, known: Socket, lamp: Lamp
 ) -> Socket:
-    """`Around._open`, evaluated after what is known."""
-    free = build.value(1.0)
-    for layer in near:
-        there, _, _ = _all_late(build, offset, offset, free, known)
+    """`Around._open`, evaluated after a number is known. The stack of Blender 4.5 holds the walls alone."""
+    free = ordered(build, build.value(1.0), (known,))
+    for layer in near if bpy.app.version >= (5, 0) else near[:1]:
+        there = _late(build, offset, free)
         towards = build.vector("SUBTRACT", constant(lamp.place), there)
         squared = build.vector("DOT_PRODUCT", towards, towards)
         wide = build.math("DIVIDE", float(lamp.variance * (lamp.place @ lamp.place)), squared)
-        known, free = build.group(layer, known, free, there, build.vector("NORMALIZE", towards), wide)
+        _, free = build.group(layer, (0.0, 0.0, 0.0), free, there, build.vector("NORMALIZE", towards), wide)
     return free
 
 
@@ -168,10 +170,10 @@ def _plane_group(plane: Plane) -> bpy.types.ShaderNodeTree:
 
 def _shell_group(shell: Shell) -> bpy.types.ShaderNodeTree:
     """`Shell.meet`."""
-    build, (offset, axis, _) = open_group(
+    build, (offset, axis, spread) = open_group(
         "RadTex Shell Shape", Offset="Vector", Axis="Vector", Spread="Float"
     )
-    far, normal = _wall(build, shell, offset, axis)
+    far, normal = _wall(build, shell, _late(build, offset, spread), axis)
     met = build.vector("ADD", offset, build.vector("SCALE", axis, far))
     met = build.vector("SUBTRACT", met, constant(shell.eye))
     distance = build.math("MAXIMUM", build.vector("LENGTH", met), 1e-6)
@@ -189,7 +191,7 @@ def _wall(build: NodeBuilder, shell: Shell, offset: Socket, axis: Socket) -> tup
     """`Shell.far`: how far it is along an axis, and the normal of the plane."""
     far, normal = build.value(FARTHEST), axis
     for way, height in zip(shell.normals, shell.heights, strict=True):
-        plane = constant(way)
+        plane, offset = constant(way), _late(build, offset, far)
         sine = build.math("MULTIPLY", build.vector("DOT_PRODUCT", axis, plane), -1.0)
         above = build.math("SUBTRACT", build.vector("DOT_PRODUCT", offset, plane), float(height))
         deep, above = build.math("MAXIMUM", sine, _PARALLEL), build.math("MAXIMUM", above, 0.0)
@@ -209,6 +211,7 @@ def _span(
     begin = enter = leave = wall
     slow = build.combine(*(_not_still(build, part) for part in build.separate(axis)))
     for low, high in facts.boxes:
+        offset = _late(build, offset, begin)
         one, other = (
             build.vector("DIVIDE", build.vector("SUBTRACT", constant(corner), offset), slow)
             for corner in (low, high)
@@ -241,7 +244,7 @@ def _things_group(
     build, (offset, axis, spread) = open_group(
         "RadTex Things Shape", Offset="Vector", Axis="Vector", Spread="Float"
     )
-    span = _span(build, facts, offset, axis)
+    span = _span(build, facts, _late(build, offset, spread), axis)
     if facts.things_eye.any():
         offset = build.vector("SUBTRACT", offset, constant(facts.things_eye))
     along = ordered(build, build.vector("DOT_PRODUCT", offset, axis), (spread,))
