@@ -27,6 +27,7 @@ from ..lookup.environment import MOST_BOXES, MOST_PLANES, Impostor, Shell
 from ..lookup.ray_ends import SAME
 
 _RAYS = 3000  # that leave the baked objects
+_FEWEST = 100  # rays that must end somewhere
 _BOUNCES = 3
 _TRIED = 160  # planes, for each one that is found
 _FEWEST_PLANES = 3  # of a room
@@ -105,6 +106,8 @@ def find_room(
     if things is None:
         return None
     hits = _explore(things, points, facets, np.random.default_rng(seed))
+    if len(hits.place) < _FEWEST:
+        return None
     low, high = np.percentile(hits.place, _USUAL, axis=0)
     thin = _THIN * float((high - low).max())
     found = _planes(hits, thin)
