@@ -29,7 +29,7 @@ context: Any = bpy.context  # to the stubs, every pointer may be None
 
 SIZE = np.array([5.0, 4.0, 2.7])
 SIDES = ("WallW", "WallE", "WallS", "WallN", "Floor", "Ceiling")
-SPEC = BakeSpec(layout=Layout.LAYERED, texels=80, samples=1, half=False)
+SPEC = BakeSpec(layout=Layout.LAYERED, texels=64, samples=1, half=False)
 
 
 def box(name: str, low: Any, high: Any, colour: tuple[float, float, float], roughness: float = 0.9) -> Any:
@@ -108,7 +108,7 @@ def captured(folder: Path, *names: str) -> LayeredSamples:
     with scratch_scene(context.scene, None, kept) as scratch:
         items = [find_object(scratch, name) for name in names]
         prepared = finished(prepare(scratch, items, SPEC, kept, backs=False))
-        return finished(capture_layered(scratch, prepared, SPEC, folder)).capture
+        return finished(capture_layered(scratch, prepared, SPEC, folder, surroundings=0.25)).capture
 
 
 def test_what_walls_show_each_other_is_in_the_picture_of_the_room(room: None, tmp_path: Path) -> None:

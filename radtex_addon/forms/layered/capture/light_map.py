@@ -12,6 +12,7 @@ from typing import Any
 
 import bpy
 import numpy as np
+from mathutils import Vector
 from mathutils.kdtree import KDTree
 
 from ....bake.denoising import Denoiser
@@ -20,19 +21,22 @@ from ....bake.piece_store import Arrays, PieceStore
 from ....bake.plan import CapturePlan, Tile, plan_of_picked
 from ....bake.pooling import Neighbours
 from ....bake.progress import Progress, Stage, Steps
-from ....core.arrays import Floats, Ints
+from ....core.arrays import Bools, Floats, Ints
 from ....core.gutter import nearest_covered
 from ....cycles.denoiser import image_denoiser
 from ....cycles.passes import colour_of, light_of
 from ....cycles.portal import Aim, PortalCapture
 from ....cycles.sampling import DIFFUSE, straight_shifts, tiles_of
+from ....scene.mesh.render_contents import read_render
 from ....scene.scratch import scene_copied
 from ....settings.kinds import Kind
 from ..fit.diffuse import DARK
-from ..fit.light_map import LightMap, RoughLight, filled, nearer
+from ..fit.light_map import PLACES, LightMap, RoughLight, filled, nearer
+from .room import things_of
 
 _SEEDS = (101, 103)  # beyond the bake's: of the two halves of the paths
 _INWARDS = 0.98  # of the way to points within a texel, so that none lies on its triangle's edge
+_LIFTED = 0.1  # of the way to a point within a texel, by which a ray to it starts off the surface
 _WINDOW = 1024  # texels along a side of what is denoised at once, without the margin
 _MARGIN = 32  # texels around it
 _BEYOND = 8  # texels of the gutter that show what lies beyond a seam
@@ -89,6 +93,7 @@ def _traced(
     The mean of points `within` each texel; NaN where no path is wanted, or the colour is too dark.
     """
     points = np.stack([plan.points + _INWARDS * (each.points - plan.points) for each in within], axis=1)
+    points = _on_this_side(scratch, plan, points, wanted > 0)
     count = points.shape[1]
     found = np.full((2, len(wanted), 3), np.nan, dtype=np.float32)
     done, total = 0, int(wanted.sum())
@@ -111,6 +116,39 @@ def _traced(
                 found[half, texels] = _mean_told(np.concatenate(parts).reshape(-1, count, 3))
     yield Progress(Stage.CAPTURE, total, total)
     return found
+
+
+def _on_this_side(scratch: bpy.types.Scene, plan: CapturePlan, points: Floats, some: Bools) -> Floats:
+    """The points (K, P, 3) of `some` (K,) texels; one that something parts from its texel's own is that one.
+
+    So light from behind a wall that a texel reaches under, or from outdoors, is none of its. Raises BakeError
+    where Blender does not render.
+    """
+    things = read_render(scratch, things_of)
+    if things is None:
+        return points
+    cast: Any = things.tree(np.ones(len(things.corners), dtype=bool)).ray_cast
+    own, normals = plan.points.astype(np.float64), plan.normals
+    found, corners = points.copy(), _corners(points.shape[1])
+
+    def is_parted(texel: int, number: int) -> bool:
+        way = points[texel, number] - own[texel]
+        length = float(np.linalg.norm(way))
+        start = own[texel] + _LIFTED * length * normals[texel]
+        return length > 0 and cast(Vector(start), Vector(way / length), length)[0] is not None
+
+    for texel in np.flatnonzero(some).tolist():
+        if any(is_parted(texel, number) for number in corners):
+            for number in range(points.shape[1]):
+                if is_parted(texel, number):
+                    found[texel, number] = own[texel]
+    return found
+
+
+def _corners(count: int) -> list[int]:
+    """Those of so many PLACES that lie nearest to a texel's corners."""
+    places = np.array(PLACES[:count])
+    return [int(np.argmax(places @ corner)) for corner in ((1, 1), (1, -1), (-1, 1), (-1, -1))]
 
 
 def _trace(capture: PortalCapture, tile: Tile) -> Arrays:

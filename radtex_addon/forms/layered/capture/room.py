@@ -102,7 +102,7 @@ def find_room(
     reflected diffusely. Large planes are taken that have nearly all that is hit before them; if most hits
     lie on them, they are a room. Raises BakeError where Blender does not render.
     """
-    things = read_render(scene, _things_of)
+    things = read_render(scene, things_of)
     if things is None:
         return None
     hits = _explore(things, points, facets, np.random.default_rng(seed))
@@ -129,7 +129,7 @@ def find_room(
 
 
 @dataclass(frozen=True, eq=False)
-class _Things:
+class Things:
     """Triangles `corners` (F, 3, 3) in world space, and the number of the owner of each, (F,)."""
 
     owners: list[bpy.types.Object]
@@ -164,7 +164,7 @@ class _Things:
         return dict(zip(self.owners, share.tolist(), strict=True))
 
 
-def _things_of(shown: Iterator[Shown]) -> _Things | None:
+def things_of(shown: Iterator[Shown]) -> Things | None:
     """All that glossy rays see; None if that is too much, or nothing."""
     owners: dict[bpy.types.Object, int] = {}
     corners, owner, total = [], [], 0
@@ -183,7 +183,7 @@ def _things_of(shown: Iterator[Shown]) -> _Things | None:
         owner.append(np.full(len(shape.triangles), owners.setdefault(one.owner, len(owners))))
     if not corners:
         return None
-    return _Things(list(owners), np.concatenate(corners), np.concatenate(owner))
+    return Things(list(owners), np.concatenate(corners), np.concatenate(owner))
 
 
 @dataclass(frozen=True, eq=False)
@@ -206,7 +206,7 @@ class _Hits:
         return float(self.weight[some].sum())
 
 
-def _explore(things: _Things, points: Floats, facets: Floats, random: np.random.Generator) -> _Hits:
+def _explore(things: Things, points: Floats, facets: Floats, random: np.random.Generator) -> _Hits:
     """Rays from points about facets, and from where these end."""
     tree = things.tree(np.ones(len(things.corners), dtype=bool))
     some = random.integers(0, len(points), _RAYS)
@@ -319,7 +319,7 @@ def _middle_of(inside: Floats, normals: Floats, heights: Floats) -> Floats:
 
 
 def _best_eye(
-    room: Room, things: _Things, hits: _Hits, seen: frozenset[bpy.types.Object], own: Floats | None
+    room: Room, things: Things, hits: _Hits, seen: frozenset[bpy.types.Object], own: Floats | None
 ) -> Floats | None:
     """The eye (3,) from which the furniture that is `seen` is met best, by rays that leave the baked objects.
 
