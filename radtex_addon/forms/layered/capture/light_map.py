@@ -92,7 +92,9 @@ def _traced(
 
     The mean of points `within` each texel; NaN where no path is wanted, or the colour is too dark.
     """
-    points: Floats = np.stack([plan.points + _INWARDS * (each.points - plan.points) for each in within], axis=1)
+    points: Floats = np.stack(
+        [plan.points + _INWARDS * (each.points - plan.points) for each in within], axis=1
+    )
     points = _on_this_side(scratch, plan, points, wanted > 0)
     count = points.shape[1]
     found = np.full((2, len(wanted), 3), np.nan, dtype=np.float32)
