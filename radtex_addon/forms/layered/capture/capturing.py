@@ -154,7 +154,7 @@ class _Captures:
 
         unseen = hidden.of_texels(np.isin(probe.texel, lit.texel)).cells
         material = texels.triangle.ravel()[lit.texel]
-        within = self._within(plan(1), material, PLACES)
+        within = self._within(plan(1), material, PLACES) if opacity.fine is None else None
         light, light_map = yield from self._light(lit, within, unseen, coarse_maps, faces[material], bar)
         yield bar.at("own")
         if prepared.source is None:
@@ -246,19 +246,21 @@ class _Captures:
     def _light(
         self,
         lit: CapturePlan,
-        within: Iterable[CapturePlan],
+        within: Iterable[CapturePlan] | None,
         unseen: Bools,
         maps: dict[str, Floats],
         material: Ints,
         bar: StageParts,
     ) -> Steps[tuple[LightSamples, LightMap | None]]:
-        """The light, as `capture_samples`, and its light map; `within` as there."""
+        """The light, as `capture_samples`, and its light map; `within` as there, None for no map."""
         seed, folder, store = self.spec.seed, self.folder, self.store
         with scene_copied(self.scratch) as copy:
             steps = capture_samples(copy, lit, unseen, seed, folder, store, self.thumbnail)
             light = yield from relayed(steps, lambda step: bar.at("light", step.done / step.total))
         light = self._lit(replace(light, through=without_zeros(light.through)))
         yield bar.at("more light")
+        if within is None:  # where an object is clear, paths along the normal tell too little
+            return light, None
         colour = maps["diffuse"].reshape(-1, 3)[lit.texel].astype(np.float32)
         more = capture_light_map(self.scratch, light, within, colour, material, seed, folder, store)
         found = yield from relayed(more, lambda step: bar.at("more light", step.done / step.total))
