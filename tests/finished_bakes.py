@@ -15,7 +15,6 @@ import shutil
 import sys
 import tempfile
 from collections.abc import Callable
-from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import Concatenate, ParamSpec
@@ -49,8 +48,11 @@ def finished_bake(
             made = Path(beside, "made")
             made.mkdir()
             make(made, *args, **kwargs)
-            with suppress(FileExistsError):  # another process was faster
+            try:
                 made.rename(stored)
+            except OSError:  # another process was faster, and the folder is not empty
+                if not stored.is_dir():
+                    raise
     shutil.copytree(stored, folder, dirs_exist_ok=True)
     return folder
 

@@ -93,9 +93,12 @@ class WholeProgress:
         return rest
 
     def _reached_of(self, stage: str, seconds: float) -> float:
-        """How much of a stage of the current bake is done; all of it, where a later one has begun."""
+        """How much of a stage of the current bake is done; all of it, where a later one has begun.
+
+        Stages that are none of a bake's, as those of an export, come after all of them.
+        """
         order = list(map(str, Stage))
-        if order.index(stage) < order.index(self._stage):
+        if self._stage not in order or order.index(stage) < order.index(self._stage):
             return seconds
         return self._reached.get(stage, 0.0)
 

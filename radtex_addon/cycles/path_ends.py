@@ -20,6 +20,7 @@ import numpy as np
 from mathutils import Matrix
 
 from ..core.arrays import Floats
+from ..scene.checks.see_through import is_see_through
 from ..scene.lights.light import without_emission
 from ..scene.mesh.copy import copy_object
 from ..scene.mesh.joined import values_in
@@ -44,6 +45,17 @@ class Body:
         """The mesh's faces, which are triangles."""
         corner = values_in(self.mesh.loops, "vertex_index", 1, np.int32)
         return Shape(values_in(self.mesh.vertices, "co", 3), corner.reshape(-1, 3))
+
+    @property
+    def hiding(self) -> Shape | None:
+        """The mesh's faces that hide what is behind them, and are not clear; None if there are none."""
+        shape, materials = self.shape, list(self.mesh.materials)
+        clear = np.array([each is not None and is_see_through(each, glass=True) for each in materials])
+        if not clear.any():
+            return shape
+        index = values_in(self.mesh.polygons, "material_index", 1, np.int32)[:, 0]
+        triangles = shape.triangles[~clear[np.minimum(index, len(clear) - 1)]]
+        return Shape(shape.position, triangles) if len(triangles) else None
 
     @property
     def places(self) -> Floats:

@@ -61,11 +61,14 @@ def covered_texels(
     would be covered, none is. Yields progress in texels. Raises BakeError where Blender does not render.
     """
     covered = np.zeros(len(plan.texel), dtype=bool)
-    own = [Thing.of(body.shape, body.matrix, {}) for body in bodies]
+    hiding = [body.hiding for body in bodies]
+    own = [Thing.of(shape, body.matrix, {}) for shape, body in zip(hiding, bodies, strict=True) if shape]
     things = [*own, *read_things(scratch, [body.original for body in bodies])]
     if len(things) < 2:
         return covered
-    surface, owner = prepared.surface, prepared.owners(plan, texels)
+    there = np.array([shape is not None for shape in hiding])
+    number = np.where(there, np.cumsum(there) - 1, len(things))  # of a body's thing; clear ones are none
+    surface, owner = prepared.surface, number[prepared.owners(plan, texels)]
     area = float(areas_on_surface(surface.position, surface.triangles).sum())
     hair = min(HAIR * extent_of(things), sqrt(area / len(covered)) / 2)
     backs = _Backs(things, 1 / metres_per_unit(scratch), every_back)
@@ -160,7 +163,7 @@ def _shares(
     start = np.repeat(place + off * normal, rays, axis=0)
     met = cast_rays(backs.things, start, way)
     others = met.thing != np.repeat(owner, rays)
-    sheet = ~np.array([thing.solid for thing in backs.things])[owner]
+    sheet = ~np.array([*(thing.solid for thing in backs.things), False])[owner]
     beyond = met.distance < np.repeat(off[:, 0] / _OFF, rays)
     behind = (met.solid & others) | (yield from backs.needless(met))
     behind |= beyond & (others | np.repeat(sheet, rays))

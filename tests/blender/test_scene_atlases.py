@@ -26,6 +26,7 @@ from radtex_addon.job.bake_request import BakeRequest
 from radtex_addon.job.layout_choice import OpenLayout
 from radtex_addon.job.scene_atlases import SceneAtlas, find_scene_atlases, requests_of
 from radtex_addon.settings.spec import BakeSpec, Kind
+from radtex_addon.textures.export_spec import ExportStep, ExportTask
 from tests.blender import stage
 from tests.blender.batch_process import ROOT, Batch
 from tests.blender.killed import digests
@@ -204,6 +205,13 @@ def test_the_time_left_follows_what_stages_took() -> None:
     assert shares[0] == 0
     assert shares[-1] == 1
     assert max(errors) < 0.3
+
+
+def test_an_export_comes_after_all_stages_of_a_bake() -> None:
+    progress = WholeProgress([{"capture": 20.0, "fit": 10.0}] * 2)
+    progress.begin()
+    progress.at(Progress(Stage.CAPTURE, 10, 10))
+    assert progress.at(ExportStep(ExportTask.TEXTURES, 1, 2)).share == 0.5
 
 
 @pytest.mark.one_blender

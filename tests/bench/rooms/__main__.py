@@ -57,7 +57,7 @@ def judged_room(name: str, folder: Path, options: argparse.Namespace, more: list
     bpy.ops.wm.open_mainfile(filepath=str(scene))
     bakes = options.baked or folder / "bake"
     if options.baked is None:
-        bake(scene, options.objects or [item.name for item in rendered()], bakes, more)
+        bake(scene, options.objects, bakes, more)
     views = _views(Pictures(scene, kept, options.samples), options)
     parts = baked_parts(bakes)
     facts = written(parts)

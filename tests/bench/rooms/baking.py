@@ -81,15 +81,16 @@ def rendered(kinds: tuple[str, ...] = ("MESH",)) -> list[bpy.types.Object]:
 
 
 def bake(scene: Path, objects: list[str], folder: Path, more: list[str]) -> Costs:
-    """Bake objects of a file by bake.py with its defaults and `more` options, and keep what it costs.
+    """Bake a file by bake.py with its defaults and `more` options, and keep what it costs.
+
+    All of it in one go, or `objects` alone if some are named.
 
     Raises SystemExit with the end of what it said if it fails.
     """
     folder.mkdir(parents=True, exist_ok=True)
     named = [word for one in objects for word in ("--object", one)]
+    what = [*named, "--together", "auto"] if named else ["--all"]
     wanted = [
-        "--together",
-        "auto",
         "--out",
         str(folder),
         "--save-preview",
@@ -97,7 +98,7 @@ def bake(scene: Path, objects: list[str], folder: Path, more: list[str]) -> Cost
         "--progress",
         "none",
     ]
-    command = [sys.executable, str(ROOT / "bake.py"), str(scene), *named, *wanted, *more]
+    command = [sys.executable, str(ROOT / "bake.py"), str(scene), *what, *wanted, *more]
     log = folder.with_suffix(".log")
     started = perf_counter()
     with log.open("wb") as said:
