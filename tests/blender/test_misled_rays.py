@@ -232,6 +232,17 @@ def test_things_without_faces_leave_no_ray_misled(corner: Any, tmp_path: Path) -
     assert captured(tmp_path / "capture").own.misled is None
 
 
+def test_a_text_and_a_cord_hide_no_misled_ray(corner: Any, tmp_path: Path) -> None:
+    """Their faces come as meshes, and a curve that has none shows nothing."""
+    for add in (bpy.ops.object.text_add, bpy.ops.curve.primitive_bezier_curve_add):
+        add(location=(-0.5, 0.9, 0.5))
+    context.object.data.bevel_depth = 0.02
+    bpy.ops.curve.primitive_bezier_curve_add(location=(0, 0, 0.5))
+    misled = captured(tmp_path / "capture").own.misled
+    assert misled is not None
+    assert 0.02 < misled.mean() < 0.4
+
+
 def test_misled_rays_join_those_that_meet_the_object() -> None:
     hit = np.array([[True, False, False], [False, True, False]])
     misled = np.array([[False, True, False], [True, False, False]])

@@ -104,7 +104,9 @@ def _others(shown: Iterator[Shown], unseen: Collection[bpy.types.Object]) -> lis
     """What mirrors may show besides those that are `unseen`; None where some of it has no faces."""
     found = []
     for one in shown:
-        if one.evaluated.type in NO_SURFACE or one.owner in unseen or "glossy" not in one.seen_by:
+        if one.evaluated.type in NO_SURFACE or one.comes_as_mesh:
+            continue
+        if one.owner in unseen or "glossy" not in one.seen_by:
             continue
         if one.evaluated.type != "MESH" or _has_hair(one.evaluated):
             return None

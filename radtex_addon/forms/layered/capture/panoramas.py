@@ -95,7 +95,9 @@ def _owners(shown: Iterator[Shown], subjects: frozenset[bpy.types.Object]) -> di
     spreads: dict[bpy.types.Object, _Spread] = {}
     of_shape: dict[Shape, _Spread] = {}
     for one in shown:
-        if one.evaluated.type in NO_SURFACE or one.owner in subjects or "glossy" not in one.seen_by:
+        if one.evaluated.type in NO_SURFACE or one.comes_as_mesh:
+            continue
+        if one.owner in subjects or "glossy" not in one.seen_by:
             continue
         shape = one.shape
         if shape is None:  # hair, a volume: its box is all that is known of it
