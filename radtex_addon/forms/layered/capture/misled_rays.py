@@ -6,8 +6,8 @@ One more render asks where the mirror rays end among all that is not baked. A ra
 show another place, nothing where there is something, or something where there is nothing, unless that has the
 same colour. What the pictures do not know of the places where misled rays end, single paths tell.
 
-It does not go where something without faces is mirrored, such as hair, points or a volume object: no ray
-tells where that is. Rays that meet the object itself in this render count as shown right: through a cut-out
+Where something without faces is mirrored, such as hair, points or a volume object, none is: no ray tells
+where that is. Rays that meet the object itself in this render count as shown right: through a cut-out
 or a clear part of it they see what no fit knows.
 """
 
@@ -34,7 +34,7 @@ from ....scene.mesh.render_contents import Placed, Shown, read_render
 from ....scene.nodes import open_material
 from ....scene.scratch import scene_copied
 from ....settings.kinds import Kind
-from ..lookup.environment import Around
+from ..lookup.environment import Around, Shell
 from ..lookup.ray_ends import SAME, light_of, shown_ends
 from .own_rays import dark_world, light_along, own_aim
 from .panoramas import NO_SURFACE
@@ -80,8 +80,8 @@ def find_misled(
     paths a texel as `most` are traced, on average. Raises BakeError where Cycles fails.
     """
     originals = frozenset(body.original for body in unseen)
-    others = read_render(scratch, lambda shown: _others(shown, originals))
-    if others is None:
+    others, faceless = read_render(scratch, lambda shown: _others(shown, originals))
+    if faceless and not any(isinstance(layer.shape, Shell) for layer in around.layers):
         return None
     judge = _Judge(around, plan, own_aim(plan, seed).squares(plan.layout.bucket), hit)
     found = []
@@ -89,6 +89,8 @@ def find_misled(
         for some, ends in _ends(copy, unseen, others, plan, seed, folder):
             found += judge.judged(some, ends)
     rays, place, known, shown = (np.concatenate(parts) for parts in zip(*found, strict=True))
+    if faceless:
+        rays, place, known = np.zeros_like(rays), place[:0], known[:0]
     if rays.mean() < _FEW and not shown.any():
         return None
     light = np.full(place.shape, np.nan, dtype=np.float32)
@@ -100,20 +102,19 @@ def find_misled(
     return Misled(rays, place, light, shown)
 
 
-def _others(shown: Iterator[Shown], unseen: Collection[bpy.types.Object]) -> list[Placed] | None:
-    """What mirrors may show besides those that are `unseen`; None where some of it has no faces."""
-    found = []
+def _others(shown: Iterator[Shown], unseen: Collection[bpy.types.Object]) -> tuple[list[Placed], bool]:
+    """What mirrors may show besides those that are `unseen`, and whether some of that has no faces."""
+    found, faceless = [], False
     for one in shown:
         if one.evaluated.type in NO_SURFACE or one.comes_as_mesh:
             continue
         if one.owner in unseen or "glossy" not in one.seen_by:
             continue
-        if one.evaluated.type != "MESH" or _has_hair(one.evaluated):
-            return None
+        faceless |= one.evaluated.type != "MESH" or _has_hair(one.evaluated)
         shape = one.shape  # None of a mere volume's boundary
         if shape is not None and (np.abs(one.bounds) < FARTHEST).all():
             found.append(Placed(shape, one.matrix, one.seen_by))
-    return found
+    return found, faceless
 
 
 def _has_hair(item: Any) -> bool:
