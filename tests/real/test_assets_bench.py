@@ -59,8 +59,8 @@ def inside() -> Mask:
 
 @pytest.fixture(autouse=True)
 def coarse(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(three_scene, "_HEIGHT", 128)
-    monkeypatch.setattr(three_scene, "_SAMPLES", 4)
+    monkeypatch.setattr(three_scene, "HEIGHT", 128)
+    monkeypatch.setattr(three_scene, "SAMPLES", 4)
 
 
 def test_images_and_the_probe_are_in_their_places(web: Site, tmp_path: Path) -> None:

@@ -4,6 +4,10 @@
 //
 // scene.glb is Blender's own export, probe.bin an equirectangular picture of what lies around the asset: half
 // floats, RGBA, the lowest row first. window.picture(matrix, fovy, side) gives linear light.
+//
+// Where lights.json names light maps (width and height in texels, UV channel), light0.bin and so on hold
+// the radiance of white paint, half floats, RGBA, rows as UVs run. A node's extra "light" is its map's number.
+// All diffuse light then comes from the maps, and sky.bin, a picture like probe.bin, is the background.
 
 import {
   Box3,
@@ -22,6 +26,7 @@ import {
   PMREMGenerator,
   RGBAFormat,
   Scene,
+  ShaderChunk,
   Sphere,
   Vector3,
   WebGLRenderer,
@@ -30,7 +35,12 @@ import {
 import { GLTFLoader } from "three/examples/jsm/loaders/GLTFLoader.js";
 
 const SHADOW = 4096; // pixels of a lamp's shadow map
-const IMAGES = ["map", "normalMap", "metalnessMap", "roughnessMap", "aoMap", "emissiveMap"];
+const IMAGES = ["map", "normalMap", "metalnessMap", "roughnessMap", "aoMap", "emissiveMap", "lightMap"];
+// What three.js takes of the probe's diffuse light: for matt surfaces, and for sheen, which has the light map's.
+const PROBE_DIFFUSE = [
+  "reflectedLight.indirectDiffuse += indirectDiffuse;",
+  "sheenSpecularIndirect += irradiance * material.sheenColor * IBLSheenBRDF( geometryNormal, geometryViewDir, material.sheenRoughness ) * RECIPROCAL_PI;",
+];
 
 async function opened() {
   const renderer = new WebGLRenderer();
@@ -38,8 +48,10 @@ async function opened() {
   renderer.shadowMap.enabled = true;
   renderer.shadowMap.type = PCFSoftShadowMap;
   const scene = new Scene();
-  const probe = await probed();
-  scene.background = probe;
+  const lights = await (await fetch("lights.json")).json();
+  const maps = await Promise.all(lights.map(lightMap));
+  const probe = await panorama("probe.bin");
+  scene.background = maps.length ? await panorama("sky.bin") : probe;
   scene.environment = new PMREMGenerator(renderer).fromEquirectangular(probe).texture;
   const { scene: content } = await new GLTFLoader().loadAsync("scene.glb");
   scene.add(content);
@@ -49,6 +61,7 @@ async function opened() {
     if (!item.isMesh) return;
     item.castShadow = item.receiveShadow = true;
     item.material = physical(item.material, renderer.capabilities.getMaxAnisotropy());
+    if (maps.length) light(item.material, maps[lightOf(item)]);
   });
   content.updateMatrixWorld(true);
   const whole = new Box3().setFromObject(content).getBoundingSphere(new Sphere());
@@ -56,15 +69,30 @@ async function opened() {
   return { renderer, scene };
 }
 
-async function probed() {
-  const values = new Uint16Array(await (await fetch("probe.bin")).arrayBuffer());
+async function panorama(file) {
+  const values = await halfFloats(file);
   const height = Math.sqrt(values.length / 8);
-  const probe = new DataTexture(values, 2 * height, height, RGBAFormat, HalfFloatType);
-  probe.mapping = EquirectangularReflectionMapping;
-  probe.colorSpace = LinearSRGBColorSpace;
-  probe.minFilter = probe.magFilter = LinearFilter;
-  probe.needsUpdate = true;
-  return probe;
+  const made = texture(values, 2 * height, height);
+  made.mapping = EquirectangularReflectionMapping;
+  return made;
+}
+
+async function lightMap({ width, height, channel }, number) {
+  const made = texture(await halfFloats(`light${number}.bin`), width, height);
+  made.channel = channel;
+  return made;
+}
+
+async function halfFloats(file) {
+  return new Uint16Array(await (await fetch(file)).arrayBuffer());
+}
+
+function texture(values, width, height) {
+  const made = new DataTexture(values, width, height, RGBAFormat, HalfFloatType);
+  made.colorSpace = LinearSRGBColorSpace;
+  made.minFilter = made.magFilter = LinearFilter;
+  made.needsUpdate = true;
+  return made;
 }
 
 function physical(standard, anisotropy) {
@@ -74,6 +102,29 @@ function physical(standard, anisotropy) {
   made.defines = { STANDARD: "", PHYSICAL: "" };
   for (const name of IMAGES) if (made[name]) made[name].anisotropy = anisotropy;
   return made;
+}
+
+function lightOf(item) {
+  return "light" in item.userData ? item.userData.light : lightOf(item.parent);
+}
+
+function light(material, map) {
+  material.lightMap = map;
+  material.lightMapIntensity = Math.PI; // three.js takes irradiance
+  if (material.transparent && material.map && material.opacity === 1) {
+    // leaves, which hide each other only if they are cut out
+    material.transparent = false;
+    material.depthWrite = true;
+    material.alphaTest = 0.5;
+  }
+  material.onBeforeCompile = (shader) => {
+    let chunk = ShaderChunk.lights_physical_pars_fragment;
+    for (const line of PROBE_DIFFUSE) {
+      if (!chunk.includes(line)) throw new Error(`this three.js has no line ${line}`);
+      chunk = chunk.replace(line, "");
+    }
+    shader.fragmentShader = shader.fragmentShader.replace("#include <lights_physical_pars_fragment>", chunk);
+  };
 }
 
 function castShadows(lamp, whole) {

@@ -15,6 +15,7 @@ from typing import Any, cast
 import bpy
 import numpy as np
 
+from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import InputError
 from radtex_addon.report.metrics import Picture
 from tests.real.browser import TO_GLTF, decoded
@@ -25,7 +26,7 @@ from .programs import averaged
 from .views import SUBSAMPLES, Pictures, bounds
 
 PAGE = Path(__file__).parent / "three_page.js"
-_HEIGHT, _SAMPLES = 1024, 64  # of the probe's picture, and of its pixels
+HEIGHT, SAMPLES = 1024, 64  # of the probe's picture, and of its pixels
 _BRIGHTEST = 65504.0  # of half floats
 _HTML = '<!doctype html><meta charset="utf-8"><body></body><script type="module" src="page.js"></script>'
 
@@ -41,19 +42,36 @@ def write_page(pictures: Pictures, objects: list[str], folder: Path) -> None:
     if areas:
         raise InputError(f"area lamp {areas[0]} has no counterpart in glTF: make it a mesh that emits light")
     middle = np.mean(bounds(objects), axis=0)
-    probe = pictures.panorama(middle, objects, _HEIGHT, _SAMPLES)
-    values = np.ones((*probe.shape[:2], 4), np.float16)
-    values[..., :3] = np.clip(probe[::-1], 0, _BRIGHTEST)
-    (folder / "probe.bin").write_bytes(values.tobytes())
+    write_halves(pictures.panorama(middle, objects, HEIGHT, SAMPLES)[::-1], folder / "probe.bin")
+    (folder / "lights.json").write_text("[]", encoding="utf-8")
+    export_scene(folder, lamps=True)
+    bundle_page(folder)
+
+
+def write_halves(picture: Picture | Floats, file: Path) -> None:
+    """Write a linear picture (H, W, 3) as half floats, RGBA, its rows in their order."""
+    values = np.ones((*picture.shape[:2], 4), np.float16)
+    values[..., :3] = np.clip(picture, 0, _BRIGHTEST)
+    file.write_bytes(values.tobytes())
+
+
+def export_scene(folder: Path, *, lamps: bool) -> None:
+    """Export the open scene as the page's scene.glb, with what renders show, and custom properties."""
     cast(Any, bpy.ops.preferences).addon_enable(module="io_scene_gltf2")
     bpy.ops.export_scene.gltf(
         filepath=str(folder / "scene.glb"),
         export_format="GLB",
+        use_renderable=True,
         export_apply=True,
         export_tangents=True,
-        export_lights=True,
+        export_extras=True,
+        export_lights=lamps,
         export_import_convert_lighting_mode="COMPAT",
     )
+
+
+def bundle_page(folder: Path) -> None:
+    """Write the page's index.html and script, with three.js, beside what they show."""
     (folder / "index.html").write_text(_HTML, encoding="utf-8")
     install_packages()
     node(

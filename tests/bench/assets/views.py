@@ -27,6 +27,8 @@ SAMPLES = 256  # of a path-traced pixel, denoised
 SUBSAMPLES = 3  # along a pixel's side
 EEVEE_SAMPLES = 64
 _NEAREST = 1e-3  # what is nearer to a camera, in the scene's units, is cut off
+_APART = 0.5  # metres between probes of a volume, in a room
+_IN_WALLS = 0.13  # metres behind their surface, where a volume's outermost probes see little sky
 _TILTED = 1e-4  # of a matrix's values
 
 
@@ -129,6 +131,36 @@ class Pictures:
 
         return self._kept(camera, "eevee with a probe, unclamped", set_up_probe)
 
+    def by_eevee_inside(self, camera: Camera, room: tuple[Array, Array]) -> Picture:
+        """By Eevee, as an artist sets it up for a room, whose lowest and highest corners are those.
+
+        As `by_eevee`, but the sphere probe stands in the room's middle and sees the room, and a baked volume
+        of probes, one each _APART metres, gives the light that has bounced, and keeps the sky's outside: it
+        takes minutes, once, also without a display, and without it a room is more than twice as bright.
+        """
+        inside = Pictures(self._with_probes(*room), self.folder, self.samples)
+        picture = inside._kept(camera, "eevee in a room, unclamped", _set_up_eevee)
+        bpy.ops.wm.open_mainfile(filepath=str(self.scene))
+        return picture
+
+    def _with_probes(self, low: Array, high: Array) -> Path:
+        """The scene's file with a sphere probe and a baked volume in it, made once."""
+        facts = json.dumps([low.tolist(), high.tolist(), _APART, _IN_WALLS, bpy.app.version_string])
+        digest = hashlib.sha256(self.scene.read_bytes() + facts.encode()).hexdigest()[:12]
+        file = self.folder / f"probes-{digest}.blend"
+        if not file.exists():
+            bpy.ops.wm.open_mainfile(filepath=str(self.scene))
+            scene: Any = bpy.context.scene
+            _set_up_eevee(scene, PIXELS)
+            _add_sphere(scene, low, high)
+            _add_volume(scene, low - _IN_WALLS, high + _IN_WALLS)
+            cast(Any, bpy.ops.object).lightprobe_cache_bake(subset="ALL")
+            beside = file.with_suffix(".baking.blend")
+            bpy.ops.wm.save_as_mainfile(filepath=str(beside))
+            beside.rename(file)
+            bpy.ops.wm.open_mainfile(filepath=str(self.scene))
+        return file
+
     def panorama(self, place: Array, hidden: list[str], height: int, samples: int) -> Picture:
         """What lies around a place (3,), by Cycles, without the `hidden` objects: (height, 2 height, 3).
 
@@ -200,14 +232,35 @@ def _set_up_eevee(scene: Any, pixels: int) -> None:
 
 
 def _add_probe(scene: Any, objects: list[str]) -> None:
-    low, high = bounds(objects)
+    """A sphere probe amid objects, which it does not see."""
+    _add_sphere(scene, *bounds(objects))
+    for name in objects:
+        cast(Any, bpy.data.objects[name]).hide_probe_sphere = True
+
+
+def _add_sphere(scene: Any, low: Array, high: Array) -> None:
+    """A sphere probe in the middle of a box, which is all within its influence."""
     data: Any = bpy.data.lightprobes.new("Sphere", "SPHERE")
     data.influence_distance = float(np.linalg.norm(high - low))
     probe = bpy.data.objects.new("Sphere", data)
     probe.location = ((low + high) / 2).tolist()
     scene.collection.objects.link(probe)
-    for name in objects:
-        cast(Any, bpy.data.objects[name]).hide_probe_sphere = True
+
+
+def _add_volume(scene: Any, low: Array, high: Array) -> None:
+    """A volume of probes, _APART at most, from one corner of a box to another; they take the sky's light too.
+
+    The volume is larger by half a gap all around: beyond the outermost probes Eevee fades to the sky.
+    """
+    data: Any = bpy.data.lightprobes.new("Volume", "VOLUME")
+    counts = np.ceil((high - low) / _APART) + 1
+    half = (high - low) / 2 * counts / (counts - 1)
+    for axis, count in zip("xyz", counts, strict=True):
+        setattr(data, f"resolution_{axis}", int(count))
+    data.capture_world, data.clamp_indirect = True, 0
+    probe = bpy.data.objects.new("Volume", data)
+    probe.location, probe.scale = ((low + high) / 2).tolist(), half.tolist()
+    scene.collection.objects.link(probe)
 
 
 def bounds(objects: list[str]) -> tuple[Array, Array]:
@@ -219,3 +272,23 @@ def bounds(objects: list[str]) -> tuple[Array, Array]:
     ]
     points = np.array(corners)[:, :3]
     return points.min(axis=0), points.max(axis=0)
+
+
+def bounds_inside(cameras: list[Camera]) -> tuple[Array, Array]:
+    """The lowest and highest corners of the room that cameras stand in, in the open scene's world space.
+
+    Those are the farthest surfaces that the cameras meet along the axes. Raises InputError where they meet
+    none, as without a ceiling.
+    """
+    scene: Any = bpy.context.scene
+    graph = bpy.context.evaluated_depsgraph_get()
+    corners = []
+    for sign in (-1, 1):
+        axes = sign * np.eye(3)
+        for axis, away in enumerate(axes):
+            met = [scene.ray_cast(graph, camera.place, away.tolist()) for camera in cameras]
+            places = [sign * one[1][axis] for one in met if one[0]]
+            if not places:
+                raise InputError(f"the cameras are in no room: nothing lies along {away.tolist()}")
+            corners.append(sign * max(places))
+    return np.array(corners[:3]), np.array(corners[3:])

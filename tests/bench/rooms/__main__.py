@@ -6,10 +6,14 @@
     python -m tests.bench.rooms --scene living --scene gallery --out DIR -- --samples 8
     python -m tests.bench.rooms --scene living --baked FOLDER --out DIR           what is baked already
     python -m tests.bench.rooms … --objects Floor,Mirror          these alone
+    python -m tests.bench.rooms … --eevee --three                 beside two ways without RadTex
 
 Prints a table of the views, the worst first, of the objects, the worst first, and what the bake cost. Leaves
 figures.json, a sheet of pictures for each view (traced, baked, others; differences below) and an overview
 below DIR. What no bake shows counts in no figure. What follows -- goes to the bake.
+
+--eevee is Eevee with traced reflections, a sphere probe and a baked volume of probes. --three is a web page
+of today: three.js with light maps by Cycles's own bake, of as many texels as the bakes have, and one probe.
 """
 
 from __future__ import annotations
@@ -26,13 +30,16 @@ import bpy
 import numpy as np
 
 from ..assets.judging import Figures, baked_parts, judge, save_overview
-from ..assets.views import PIXELS, Pictures, View, scene_cameras
+from ..assets.three_scene import pictures_by_three
+from ..assets.views import PIXELS, Pictures, View, bounds_inside, scene_cameras
+from ..engines.__main__ import programs
 from ..fidelity.references import distances, tree_of
-from .baking import bake, kept_costs, rendered, room_file, written
+from .baking import SURFACES, bake, kept_costs, rendered, room_file, texels_of, written
+from .light_maps import SAMPLES as LIGHT_SAMPLES
+from .light_maps import write_lit_page
 
 SAMPLES = 512  # of a path-traced pixel, denoised
 SUBSAMPLES = 2  # along a pixel's side
-_SURFACES = ("MESH", "CURVE", "FONT", "META", "SURFACE")
 _BAKED = "all"
 
 
@@ -58,11 +65,16 @@ def judged_room(name: str, folder: Path, options: argparse.Namespace, more: list
     bakes = options.baked or folder / "bake"
     if options.baked is None:
         bake(scene, options.objects, bakes, more)
-    views = _views(Pictures(scene, kept, options.samples), options)
+    pictures = Pictures(scene, kept, options.samples)
+    views = _views(pictures, options)
+    if options.eevee:
+        _add_eevee(views, pictures)
+    if options.three:
+        _add_three(views, pictures, folder / "shown", texels_of(bakes), options.light_samples)
     parts = baked_parts(bakes)
     facts = written(parts)
     named = {part.name for part in parts}
-    others = [item for item in rendered(_SURFACES) if item.name not in named]
+    others = [item for item in rendered(SURFACES) if item.name not in named]
     beside = tree_of(others) if others else None
     figures: dict[str, dict[str, Figures]] = {}
     for view in views:
@@ -87,6 +99,27 @@ def _views(pictures: Pictures, options: argparse.Namespace) -> list[View]:
     if options.views:
         cameras = [camera for camera in cameras if camera.name in options.views]
     return [View(camera, pictures.traced(camera), subsamples=options.subsamples) for camera in cameras]
+
+
+def _add_eevee(views: list[View], pictures: Pictures) -> None:
+    """Eevee's pictures of the open scene, which is that of `pictures`."""
+    room = bounds_inside(scene_cameras())
+    for view in views:
+        view.others["Eevee"] = pictures.by_eevee_inside(view.camera, room)
+
+
+def _add_three(views: list[View], pictures: Pictures, folder: Path, texels: int, samples: int) -> None:
+    """Pictures of the open scene by three.js with light maps, from a page below a folder."""
+    name = "three"
+    with programs(folder) as showing:
+        started = perf_counter()
+        maps = write_lit_page(pictures, showing.site.folder / name, texels, samples)
+        have = sum(one.width * one.height for one in maps)
+        seconds = perf_counter() - started
+        print(f"{len(maps)} light maps of {have} texels in {seconds:.0f} s", file=sys.stderr, flush=True)
+        taken = pictures_by_three(showing.site, name, [view.camera for view in views])
+    for view, picture in zip(views, taken, strict=True):
+        view.others["three.js"] = picture
 
 
 def _told(figures: Figures) -> dict[str, float | None]:
@@ -145,6 +178,9 @@ def _options() -> tuple[argparse.Namespace, list[str]]:
     parser.add_argument("--pixels", type=int, default=PIXELS, help="of a picture's side")
     parser.add_argument("--samples", type=int, default=SAMPLES, help="of a path-traced pixel")
     parser.add_argument("--subsamples", type=int, default=SUBSAMPLES, help="looked up along a pixel's side")
+    parser.add_argument("--eevee", action="store_true", help="also Eevee with probes")
+    parser.add_argument("--three", action="store_true", help="also three.js with light maps and a probe")
+    parser.add_argument("--light-samples", type=int, default=LIGHT_SAMPLES, help="of a light map's texel")
     parser.add_argument("--references", type=Path, help="where scenes and path-traced pictures are kept")
     parser.add_argument("--out", type=Path, required=True)
     options = parser.parse_args(mine)

@@ -18,12 +18,14 @@ from typing import Any, cast
 
 import bpy
 
+from radtex_addon.report.finished_bake import find_bakes_of_all, read_bake
 from tests.real.exhibit import ROOT
 
 from ..assets import drawn
 from ..assets.judging import Part
 from . import building, gallery, living, lottery
 
+SURFACES = ("MESH", "CURVE", "FONT", "META", "SURFACE")
 _SEED = "seed"
 _COSTS = "costs.json"
 _DRAWN: dict[str, Callable[[], None]] = {"living": living.living, "gallery": gallery.gallery}
@@ -117,6 +119,12 @@ def kept_costs(folder: Path) -> Costs | None:
     """What the bake in a folder cost, if `bake` made it."""
     file = folder / _COSTS
     return Costs(**json.loads(file.read_text(encoding="utf-8"))) if file.exists() else None
+
+
+def texels_of(folder: Path) -> int:
+    """How many texels the atlases of all bakes in a folder have. Raises InputError if it has no bake."""
+    bakes = [read_bake(file).sidecar for file in find_bakes_of_all(folder, "judged")]
+    return sum(bake.width * bake.height for bake in bakes)
 
 
 def written(parts: list[Part]) -> Written:
