@@ -21,7 +21,6 @@ from .evaluated import render_with
 RAYS = ("camera", "diffuse", "glossy", "transmission", "volume_scatter", "shadow")
 _Read = TypeVar("_Read")
 _LeftOut: TypeAlias = Callable[[bpy.types.Material | None], bool]
-_AS_MESHES = frozenset({"CURVE", "SURFACE", "FONT", "META"})  # their faces come as an instance of theirs
 _TOP = "radtex_top"  # a custom property of scratch scenes
 
 
@@ -85,11 +84,6 @@ class Shown:
         return frozenset(seen)
 
     @property
-    def comes_as_mesh(self) -> bool:
-        """Whether it is a curve, a text or a metaball, whose faces, if it has any, are another thing here."""
-        return self.evaluated.type in _AS_MESHES
-
-    @property
     def bounds(self) -> Floats:
         corners = np.array(self.evaluated.bound_box, dtype=np.float64)
         found: Floats = corners @ self.matrix[:3, :3].T + self.matrix[:3, 3]
@@ -102,7 +96,7 @@ class Shown:
         Instances of one mesh have the same shape.
         """
         item = self.evaluated
-        if item.type != "MESH":
+        if item.type != "MESH":  # curves, texts and metaballs come as meshes, too
             return None
         key = item.original.session_uid, item.data.as_pointer()  # geometry nodes instance bare meshes
         if key not in self._shapes:

@@ -6,9 +6,9 @@ One more render asks where the mirror rays end among all that is not baked. A ra
 show another place, nothing where there is something, or something where there is nothing, unless that has the
 same colour. What the pictures do not know of the places where misled rays end, single paths tell.
 
-Where something without faces is mirrored, such as hair, points or a volume object, none is: no ray tells
-where that is. Rays that meet the object itself in this render count as shown right: through a cut-out
-or a clear part of it they see what no fit knows.
+Where something without faces is mirrored, such as hair, points or a volume object, no ray counts as misled,
+since none tells where that is. Rays that meet the object itself in this render count as shown right: through
+a cut-out or a clear part of it they see what no fit knows.
 """
 
 from __future__ import annotations
@@ -106,9 +106,7 @@ def _others(shown: Iterator[Shown], unseen: Collection[bpy.types.Object]) -> tup
     """What mirrors may show besides those that are `unseen`, and whether some of that has no faces."""
     found, faceless = [], False
     for one in shown:
-        if one.evaluated.type in NO_SURFACE or one.comes_as_mesh:
-            continue
-        if one.owner in unseen or "glossy" not in one.seen_by:
+        if one.evaluated.type in NO_SURFACE or one.owner in unseen or "glossy" not in one.seen_by:
             continue
         faceless |= one.evaluated.type != "MESH" or _has_hair(one.evaluated)
         shape = one.shape  # None of a mere volume's boundary

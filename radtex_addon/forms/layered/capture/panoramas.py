@@ -46,7 +46,8 @@ _BORDER = 64  # pixels that are rendered around things: OpenImageDenoise dims or
 _DARK = 2.0**-16  # OpenImageDenoise makes an eighth of that of black; half floats hold it roughly
 _ALL = slice(None)
 _UP = np.array([0.0, 0.0, 1.0])
-NO_SURFACE = frozenset({"LIGHT", "LIGHT_PROBE", "CAMERA", "SPEAKER", "EMPTY", "ARMATURE", "LATTICE"})
+_COME_AS_MESHES = frozenset({"CURVE", "SURFACE", "FONT", "META"})  # renders list their meshes, too
+NO_SURFACE = _COME_AS_MESHES | {"LIGHT", "LIGHT_PROBE", "CAMERA", "SPEAKER", "EMPTY", "ARMATURE", "LATTICE"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,9 +96,7 @@ def _owners(shown: Iterator[Shown], subjects: frozenset[bpy.types.Object]) -> di
     spreads: dict[bpy.types.Object, _Spread] = {}
     of_shape: dict[Shape, _Spread] = {}
     for one in shown:
-        if one.evaluated.type in NO_SURFACE or one.comes_as_mesh:
-            continue
-        if one.owner in subjects or "glossy" not in one.seen_by:
+        if one.evaluated.type in NO_SURFACE or one.owner in subjects or "glossy" not in one.seen_by:
             continue
         shape = one.shape
         if shape is None:  # hair, a volume: its box is all that is known of it
