@@ -11,7 +11,7 @@ looks at a sharp mirror, and portals above it catch the glossy rays.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import pi
+from math import isqrt, pi
 from pathlib import Path
 from typing import Any, cast
 
@@ -46,10 +46,18 @@ class Aim:
 
     `shift` (K, 2): this point in the cells of each of the plan's texels, from 0 to 1 along both sides.
     `passes` are attributes of a view layer. If there are any, rays of light kinds do not see lamps.
+    `starts` (K, m * m, 3): where a texel's rays start, in equal shares, if not at its own point; its bucket
+    has one cell then, and m is a whole number.
     """
 
     shift: Floats
     passes: tuple[str, ...] = ()
+    starts: Floats | None = None
+
+    @property
+    def parts(self) -> int:
+        """How many parts a pixel has along each side, of which each has a start of its own."""
+        return 1 if self.starts is None else isqrt(self.starts.shape[1])
 
     def square(self, bucket: int) -> Floats:
         """Bucket coordinates B of all rays, (K, n * n, 2) float32."""
@@ -71,6 +79,15 @@ class Aim:
         offset = np.zeros((plan.rows * plan.columns, 3), dtype=np.float32)
         offset[: len(self.shift), :2] = (self.shift - 0.5) / plan.layout.bucket
         return offset.reshape(plan.rows, plan.columns, 3)
+
+    def packed_starts(self, plan: CapturePlan) -> Floats:
+        """The starts of each pixel, packed like the plan's fields: (rows, columns, m * m * 3)."""
+        if self.starts is None:
+            return plan.position
+        count = len(self.starts)
+        whole = self.starts[np.minimum(np.arange(plan.rows * plan.columns), count - 1)]
+        packed: Floats = whole.reshape(plan.rows, plan.columns, -1)
+        return packed
 
 
 FIRST_ROW = "RadTex first row"  # label of the node with the sheet's first row in the images, plus 0.5
@@ -107,7 +124,8 @@ class PortalCapture:
         self._file = folder / "tile.exr"
         apply_capture_settings(scene, samples, seed, first)
         if aim is not None:
-            look_at_centres(scene)
+            if aim.starts is None:
+                look_at_centres(scene)
             keep_passes(scene, aim.passes)
         size = (plan.columns * plan.layout.bucket, plan.sheet_rows * plan.layout.bucket)
         scene.render.resolution_x, scene.render.resolution_y = size
@@ -185,8 +203,10 @@ class _Fields:
     def __init__(self, plan: CapturePlan, aim: Aim | None, whole: bool) -> None:
         self._plan, self._whole = plan, whole
         self._of = {name: getattr(plan, name) for name in _FRAME}
+        self.parts = 1 if aim is None else aim.parts
         if aim is not None:
             self._of["shift"] = aim.offset(plan)
+            self._of["position"] = aim.packed_starts(plan)
         if plan.own_offset is not None:
             self._of["offset"] = np.repeat(plan.own_offset, 3, axis=2)
         self.images = self._images(0)
@@ -204,10 +224,19 @@ class _Fields:
         return self._plan.rows if self._whole else self._plan.sheet_rows
 
     def _images(self, sheet: int) -> dict[str, bpy.types.Image]:
-        return {
-            name: float_image(f"RadTex {name}", field if self._whole else self._plan.window(field, sheet))
+        fields = {
+            name: field if self._whole else self._plan.window(field, sheet)
             for name, field in self._of.items()
         }
+        fields["position"] = _apart(fields["position"], self.parts)
+        return {name: float_image(f"RadTex {name}", field) for name, field in fields.items()}
+
+
+def _apart(packed: Floats, parts: int) -> Floats:
+    """Values (R, C, m * m * 3) of so many `parts` m of pixels along each side, as pixels: (R m, C m, 3)."""
+    rows, columns = packed.shape[:2]
+    apart = packed.reshape(rows, columns, parts, parts, 3).transpose(0, 2, 1, 3, 4)
+    return apart.reshape(rows * parts, columns * parts, 3)
 
 
 def _portal_material(
@@ -221,9 +250,14 @@ def _portal_material(
         (1 / extent.width, 1 / extent.height, 0.0),
         (0.5, 0.5, 0.0),
     )
-    bucket, lookup = _texel_and_cell(build, plan, uv, fields.rows)
-    images = {name: build.image(image, lookup)[0] for name, image in fields.images.items()}
+    bucket, lookup, in_parts = _texel_and_cell(build, plan, uv, fields.rows, fields.parts)
+    images = {
+        name: build.image(image, in_parts if name == "position" else lookup)[0]
+        for name, image in fields.images.items()
+    }
     position, tangent, bitangent, normal, facet = (images[name] for name in _FRAME)
+    if fields.parts > 1:
+        bucket = build.combine(0.5, 0.5)
     if "shift" in images:
         bucket = build.vector("ADD", bucket, images["shift"])
     x, y, i_z = _local_direction(build, bucket, kind)
@@ -253,10 +287,13 @@ def _portal_material(
     return material
 
 
-def _texel_and_cell(build: NodeBuilder, plan: CapturePlan, uv: Socket, rows: int) -> tuple[Socket, Socket]:
+def _texel_and_cell(
+    build: NodeBuilder, plan: CapturePlan, uv: Socket, rows: int, parts: int
+) -> tuple[Socket, Socket, Socket]:
     """The place in the bucket, 0 to 1 along both sides, and the texel's UV in images with `rows` rows.
 
-    Both use the same rounded texel, so that a ray on a texel's edge does not mix two texels.
+    The last is the UV in an image in which each texel has so many `parts` along each side. All use the same
+    rounded texel, so that a ray on a texel's edge does not mix two texels.
     """
     size = (float(plan.columns), float(plan.sheet_rows), 1.0)
     place = build.vector("MULTIPLY", uv, size)
@@ -264,8 +301,15 @@ def _texel_and_cell(build: NodeBuilder, plan: CapturePlan, uv: Socket, rows: int
     texel = build.vector("MAXIMUM", texel, (0.0, 0.0, 0.0))
     texel = build.vector("MINIMUM", texel, (size[0] - 1, size[1] - 1, 0.0))
     bucket = build.vector("SUBTRACT", place, texel)
+    height = (size[0], float(rows), 1.0)
     middle = build.vector("ADD", texel, build.combine(0.5, build.value(0.5, FIRST_ROW)))
-    return bucket, build.vector("DIVIDE", middle, (size[0], float(rows), 1.0))
+    lookup = build.vector("DIVIDE", middle, height)
+    if parts == 1:
+        return bucket, lookup, lookup
+    part = build.vector("FLOOR", build.vector("SCALE", bucket, float(parts)))
+    part = build.vector("MINIMUM", part, (parts - 1.0, parts - 1.0, 0.0))
+    step = build.vector("MULTIPLY_ADD", part, (1 / parts, 1 / parts, 0.0), (0.5 / parts - 0.5,) * 3)
+    return bucket, lookup, build.vector("DIVIDE", build.vector("ADD", middle, step), height)
 
 
 def _local_direction(build: NodeBuilder, bucket: Socket, kind: Kind) -> tuple[Socket, Socket, Socket]:

@@ -96,16 +96,14 @@ def _traced(
         [plan.points + _INWARDS * (each.points - plan.points) for each in within], axis=1
     )
     points = _on_this_side(scratch, plan, points, wanted > 0)
-    count = points.shape[1]
     found = np.full((2, len(wanted), 3), np.nan, dtype=np.float32)
     done, total = 0, int(wanted.sum())
     for number in np.unique(wanted[wanted > 0]).tolist():
         texels = np.flatnonzero(wanted == number)
-        single = replace(plan, layout=replace(plan.layout, bucket=1))
-        some = plan_of_picked(single, texels.repeat(count)).moved_to(points[texels].reshape(-1, 3))
-        samples = number // (2 * count)
+        some = plan_of_picked(replace(plan, layout=replace(plan.layout, bucket=1)), texels)
+        samples = number // 2
         with scene_copied(scratch) as copy:
-            aim = Aim(straight_shifts(len(some.texel)), DIFFUSE)
+            aim = Aim(straight_shifts(len(texels)), DIFFUSE, points[texels])
             capture = PortalCapture(copy, some, Kind.RADIANCE, samples, seed, folder, aim)
             for half, step in enumerate(_SEEDS):
                 capture.reseed(seed + step)
@@ -115,7 +113,7 @@ def _traced(
                     name = f"more-light-{number}-{half}-{tile.first_row:06d}"
                     parts.append(store.get_or_make(name, partial(_trace, capture, tile))["light"])
                     done += len(parts[-1]) * samples
-                found[half, texels] = _mean_told(np.concatenate(parts).reshape(-1, count, 3))
+                found[half, texels] = np.concatenate(parts)
     yield Progress(Stage.CAPTURE, total, total)
     return found
 
@@ -158,15 +156,6 @@ def _trace(capture: PortalCapture, tile: Tile) -> Arrays:
     light, colour = (look(passes, "diffuse").reshape(-1, 3) for look in (light_of, colour_of))
     told = np.where(colour > DARK, light / np.maximum(colour, DARK), np.nan)
     return {"light": told.astype(np.float32)}
-
-
-def _mean_told(light: Floats) -> Floats:
-    """The mean over points (K, P, 3), without those that are NaN: (K, 3), NaN without any other."""
-    told = np.isfinite(light)
-    number = told.sum(axis=1)
-    total = np.where(told, light, 0).sum(axis=1)
-    found: Floats = np.divide(total, number, out=np.full_like(total, np.nan), where=number > 0)
-    return found
 
 
 def denoise_texels(values: Floats, plan: CapturePlan, shown: Ints, denoiser: Denoiser) -> Floats:

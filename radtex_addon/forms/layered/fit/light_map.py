@@ -30,6 +30,7 @@ _LEAST = 2 * len(PLACES)  # paths: two halves of one from each place
 _EDGE = 0.15  # of the light that is seen: how much a texel differs from those around it, if an edge is near
 _SURE = 4.0  # times the noise
 _BESIDE = 0.02  # share of the weight around a texel that such texels have, for it to be traced, too
+_FAR_OFF = 1.0  # times the light around: single bright paths tell no more than that of how noisy it is
 _DOUBTED = 0.1  # share of what the halves tell that is their noise
 _FEW = 64  # texels: of so few is half believed of how bright they are along the normal
 _MOST = 1.5  # times too bright that samples are taken to be along the normal
@@ -183,10 +184,13 @@ def nearer(halves: Floats, denoised: Floats, smooth: Floats, edge: Bools, neighb
     Whichever is nearest to the light: what is `denoised` (2, K, 3) of each half is compared with the other
     half, around each texel, among those with an `edge` (K,) and among the others.
     """
-    mean, step = halves.mean(axis=0), denoised - halves
-    weight = 1 / np.maximum(_around(mean @ LUMINANCE, neighbours, wide=False), 1e-6) ** 2
-    gained = ((halves[::-1] - halves) * step).sum(axis=(0, 2)) * weight
-    length = (step**2).sum(axis=(0, 2)) * weight
+    mean = halves.mean(axis=0)
+    level = np.maximum(_around(mean @ LUMINANCE, neighbours, wide=False), 1e-6)[:, None]
+    step, other = (
+        np.clip(values / level, -_FAR_OFF, _FAR_OFF) for values in (denoised - halves, halves[::-1] - halves)
+    )
+    gained = (other * step).sum(axis=(0, 2))
+    length = (step**2).sum(axis=(0, 2))
     share = np.zeros(len(edge))
     for own in (edge, ~edge):
         table = np.stack([gained, length])[..., None] * own[:, None]
