@@ -397,53 +397,70 @@ float radtex_free_way(float3 from, float3 ray, float spread) {
 }
 #endif
 
+float radtex_luminance(float3 colour) {
+    return dot(colour, float3(0.2126, 0.7152, 0.0722));
+}
+
+// The normal of a surface, and the luminance of its irradiance, which is pi times `even`: more than any sun's where the
+// diffuse colour is too dark to tell it.
+float4 radtex_lit_by(float3 face, float3 even, float3 colour) {
+    float unknown = max(1.0 - 50.0 * max(colour.r, max(colour.g, colour.b)), 0.0);
+    return float4(face, 3.14159265 * radtex_luminance(even) + 1e6 * unknown);
+}
+
 #if RADTEX_LAMPS > 0
-// What a lobe of that width² shows of a lamp.
-float3 radtex_lamp(float4 place, float4 light, float3 from, float3 ray, float width) {
+// What a lobe of that width² shows of a lamp. Of one that layers are before, a surface whose unit normal is lit.xyz sees
+// no more than the luminance of its irradiance, lit.w, allows.
+float3 radtex_lamp(float4 place, float4 light, float3 from, float3 ray, float width, float4 lit) {
     float3 towards = place.xyz - from;
     float squared = dot(towards, towards), nearer = dot(place.xyz, place.xyz) / squared;
     float wide = width + place.w * nearer;
     float off = wide + 1.0 - dot(ray, towards) * rsqrt(squared);
     float free = 1.0;
 #if RADTEX_SHELL > 0
-    if (light.w > 0.5) free = radtex_free_way(from, towards * rsqrt(squared), log2(place.w * nearer));
+    if (light.w > 0.5) {
+        towards *= rsqrt(squared);
+        free = lit.w / max(nearer * radtex_luminance(light.rgb) * max(dot(lit.xyz, towards), 0.1), 1e-9);
+        free = clamp((free - 0.1) / 0.9, 0.0, 1.0);
+        if (free > 0.0) free *= radtex_free_way(from, towards, log2(place.w * nearer));
+    }
 #endif
     return light.rgb * (free * nearer * (1.0 + 0.5 * wide) * wide / (6.2831853 * off * off));
 }
 #endif
 
-float3 radtex_lamps(float3 from, float3 ray, float width) {
+float3 radtex_lamps(float3 from, float3 ray, float width, float4 lit) {
     float3 light = float3(0.0, 0.0, 0.0);
 #if RADTEX_LAMPS > 0
-    light += radtex_lamp(radtex_lamp_place[0], radtex_lamp_light[0], from, ray, width);
+    light += radtex_lamp(radtex_lamp_place[0], radtex_lamp_light[0], from, ray, width, lit);
 #endif
 #if RADTEX_LAMPS > 1
-    light += radtex_lamp(radtex_lamp_place[1], radtex_lamp_light[1], from, ray, width);
+    light += radtex_lamp(radtex_lamp_place[1], radtex_lamp_light[1], from, ray, width, lit);
 #endif
 #if RADTEX_LAMPS > 2
-    light += radtex_lamp(radtex_lamp_place[2], radtex_lamp_light[2], from, ray, width);
+    light += radtex_lamp(radtex_lamp_place[2], radtex_lamp_light[2], from, ray, width, lit);
 #endif
 #if RADTEX_LAMPS > 3
-    light += radtex_lamp(radtex_lamp_place[3], radtex_lamp_light[3], from, ray, width);
+    light += radtex_lamp(radtex_lamp_place[3], radtex_lamp_light[3], from, ray, width, lit);
 #endif
 #if RADTEX_LAMPS > 4
-    light += radtex_lamp(radtex_lamp_place[4], radtex_lamp_light[4], from, ray, width);
+    light += radtex_lamp(radtex_lamp_place[4], radtex_lamp_light[4], from, ray, width, lit);
 #endif
 #if RADTEX_LAMPS > 5
-    light += radtex_lamp(radtex_lamp_place[5], radtex_lamp_light[5], from, ray, width);
+    light += radtex_lamp(radtex_lamp_place[5], radtex_lamp_light[5], from, ray, width, lit);
 #endif
 #if RADTEX_LAMPS > 6
-    light += radtex_lamp(radtex_lamp_place[6], radtex_lamp_light[6], from, ray, width);
+    light += radtex_lamp(radtex_lamp_place[6], radtex_lamp_light[6], from, ray, width, lit);
 #endif
 #if RADTEX_LAMPS > 7
-    light += radtex_lamp(radtex_lamp_place[7], radtex_lamp_light[7], from, ray, width);
+    light += radtex_lamp(radtex_lamp_place[7], radtex_lamp_light[7], from, ray, width, lit);
 #endif
     return light;
 }
 
 // What a lobe about the unit ray, of a width² whose log2 is `spread`, shows of the surroundings from a place that is
-// given from the middle; `met` is radtex_met of both.
-float3 radtex_shown(float3 from, float3 ray, float4 met, float spread) {
+// given from the middle; `met` is radtex_met of both, `lit` as for radtex_lamp.
+float3 radtex_shown(float3 from, float3 ray, float4 met, float spread, float4 lit) {
     float3 light = radtex_blurred(radtex_world_map, radtex_world_levels, ray, spread).rgb * radtex_world_range.z
         + radtex_world_range.w;
     float4 before;
@@ -459,7 +476,7 @@ float3 radtex_shown(float3 from, float3 ray, float4 met, float spread) {
     before = radtex_picture(radtex_things_map, radtex_things_range, radtex_things_levels, met.xyz, spread + met.w);
     light = light * (1.0 - before.a) + before.rgb;
 #endif
-    return light + radtex_lamps(from, ray, exp2(spread));
+    return light + radtex_lamps(from, ray, exp2(spread), lit);
 }
 #endif
 
@@ -508,8 +525,8 @@ float3 radtex_reflected(float3 colour, float width, float cosine, float opacity)
 #endif
 
 // What a lobe (weight, and log2 of its width²) shows; `own` is what the object shows of itself.
-float3 radtex_mirrored(float3 from, float3 ray, float4 met, float4 own, float4 lobe) {
-    return lobe.rgb * lerp(own.rgb, radtex_shown(from, ray, met, lobe.a), radtex_free(own.a, exp2(lobe.a)));
+float3 radtex_mirrored(float3 from, float3 ray, float4 met, float4 own, float4 lobe, float4 lit) {
+    return lobe.rgb * lerp(own.rgb, radtex_shown(from, ray, met, lobe.a, lit), radtex_free(own.a, exp2(lobe.a)));
 }
 #endif
 
@@ -591,7 +608,8 @@ float3 radtex_lit(float2 uv, float3 position, float3 face, float3 V, RadtexLook 
     float below = min(floor(curve), 14.0), above = curve - below;
     int low = 16 * material + int(below);
     float4 facts = lerp(radtex_material[low], radtex_material[low + 1], above);
-    float3 light = look.colour * radtex_map(radtex_irradiance_map, radtex_irradiance_range, uv).rgb * facts.rgb;
+    float3 even = radtex_map(radtex_irradiance_map, radtex_irradiance_range, uv).rgb;
+    float3 light = look.colour * even * facts.rgb;
     float3 axis = 2.0 * cosine * N - V;
     axis += max(0.01 - dot(axis, face), 0.0) * face;  // no lower than the surface
     axis *= rsqrt(dot(axis, axis));
@@ -604,16 +622,17 @@ float3 radtex_lit(float2 uv, float3 position, float3 face, float3 V, RadtexLook 
     float3 ray = axis * sqrt(1.0 - facts.a * facts.a) + towards * facts.a;
     low += 16 * material;
     float4 met = radtex_met(from, ray), lobe = lerp(radtex_lobes[low], radtex_lobes[low + 1], above);
+    float4 lit = radtex_lit_by(face, even, look.colour);
     float wider = 0.0;
 #ifdef RADTEX_WIDTH
     wider = radtex_map(radtex_width_map, radtex_width_range, uv).r;
 #endif
     lobe.a += wider;
-    float3 mirrored = radtex_mirrored(from, ray, met, own, lobe);
+    float3 mirrored = radtex_mirrored(from, ray, met, own, lobe, lit);
 #if RADTEX_SECOND_LOBE > 0
     lobe = lerp(radtex_lobes[low + 16], radtex_lobes[low + 17], above);
     lobe.a += wider;
-    mirrored += radtex_mirrored(from, ray, met, own, lobe);
+    mirrored += radtex_mirrored(from, ray, met, own, lobe, lit);
 #endif
     float3 tint = look.tint;
 #ifdef RADTEX_GLOSSES

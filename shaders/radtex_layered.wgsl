@@ -340,52 +340,69 @@ fn radtex_free_way(whence: vec3f, ray: vec3f, spread: f32) -> f32 {
     return free;
 }
 
-// What a lobe of that width² shows of a lamp.
-fn radtex_lamp(place: vec4f, light: vec4f, whence: vec3f, ray: vec3f, width: f32) -> vec3f {
-    let towards = place.xyz - whence;
+fn radtex_luminance(colour: vec3f) -> f32 {
+    return dot(colour, vec3f(0.2126, 0.7152, 0.0722));
+}
+
+// The normal of a surface, and the luminance of its irradiance, which is pi times `even`: more than any sun's where the
+// diffuse colour is too dark to tell it.
+fn radtex_lit_by(face: vec3f, even: vec3f, colour: vec3f) -> vec4f {
+    let unknown = max(1.0 - 50.0 * max(colour.r, max(colour.g, colour.b)), 0.0);
+    return vec4f(face, 3.14159265 * radtex_luminance(even) + 1e6 * unknown);
+}
+
+// What a lobe of that width² shows of a lamp. Of one that layers are before, a surface whose unit normal is lit.xyz sees
+// no more than the luminance of its irradiance, lit.w, allows.
+fn radtex_lamp(place: vec4f, light: vec4f, whence: vec3f, ray: vec3f, width: f32, lit: vec4f) -> vec3f {
+    var towards = place.xyz - whence;
     let squared = dot(towards, towards);
     let nearer = dot(place.xyz, place.xyz) / squared;
     let wide = width + place.w * nearer;
     let off = wide + 1.0 - dot(ray, towards) * inverseSqrt(squared);
     var free = 1.0;
     if RADTEX_SHELL > 0 {
-        if light.w > 0.5 { free = radtex_free_way(whence, towards * inverseSqrt(squared), log2(place.w * nearer)); }
+        if light.w > 0.5 {
+            towards *= inverseSqrt(squared);
+            free = lit.w / max(nearer * radtex_luminance(light.rgb) * max(dot(lit.xyz, towards), 0.1), 1e-9);
+            free = clamp((free - 0.1) / 0.9, 0.0, 1.0);
+            if free > 0.0 { free *= radtex_free_way(whence, towards, log2(place.w * nearer)); }
+        }
     }
     return light.rgb * (free * nearer * (1.0 + 0.5 * wide) * wide / (6.2831853 * off * off));
 }
 
-fn radtex_lamps(whence: vec3f, ray: vec3f, width: f32) -> vec3f {
+fn radtex_lamps(whence: vec3f, ray: vec3f, width: f32, lit: vec4f) -> vec3f {
     var light = vec3f(0.0, 0.0, 0.0);
     if RADTEX_LAMPS > 0 {
-        light += radtex_lamp(radtex.lamp_place[0], radtex.lamp_light[0], whence, ray, width);
+        light += radtex_lamp(radtex.lamp_place[0], radtex.lamp_light[0], whence, ray, width, lit);
     }
     if RADTEX_LAMPS > 1 {
-        light += radtex_lamp(radtex.lamp_place[1], radtex.lamp_light[1], whence, ray, width);
+        light += radtex_lamp(radtex.lamp_place[1], radtex.lamp_light[1], whence, ray, width, lit);
     }
     if RADTEX_LAMPS > 2 {
-        light += radtex_lamp(radtex.lamp_place[2], radtex.lamp_light[2], whence, ray, width);
+        light += radtex_lamp(radtex.lamp_place[2], radtex.lamp_light[2], whence, ray, width, lit);
     }
     if RADTEX_LAMPS > 3 {
-        light += radtex_lamp(radtex.lamp_place[3], radtex.lamp_light[3], whence, ray, width);
+        light += radtex_lamp(radtex.lamp_place[3], radtex.lamp_light[3], whence, ray, width, lit);
     }
     if RADTEX_LAMPS > 4 {
-        light += radtex_lamp(radtex.lamp_place[4], radtex.lamp_light[4], whence, ray, width);
+        light += radtex_lamp(radtex.lamp_place[4], radtex.lamp_light[4], whence, ray, width, lit);
     }
     if RADTEX_LAMPS > 5 {
-        light += radtex_lamp(radtex.lamp_place[5], radtex.lamp_light[5], whence, ray, width);
+        light += radtex_lamp(radtex.lamp_place[5], radtex.lamp_light[5], whence, ray, width, lit);
     }
     if RADTEX_LAMPS > 6 {
-        light += radtex_lamp(radtex.lamp_place[6], radtex.lamp_light[6], whence, ray, width);
+        light += radtex_lamp(radtex.lamp_place[6], radtex.lamp_light[6], whence, ray, width, lit);
     }
     if RADTEX_LAMPS > 7 {
-        light += radtex_lamp(radtex.lamp_place[7], radtex.lamp_light[7], whence, ray, width);
+        light += radtex_lamp(radtex.lamp_place[7], radtex.lamp_light[7], whence, ray, width, lit);
     }
     return light;
 }
 
 // What a lobe about the unit ray, of a width² whose log2 is `spread`, shows of the surroundings from a place that is
-// given from the middle; `met` is radtex_met of both.
-fn radtex_shown(whence: vec3f, ray: vec3f, met: vec4f, spread: f32) -> vec3f {
+// given from the middle; `met` is radtex_met of both, `lit` as for radtex_lamp.
+fn radtex_shown(whence: vec3f, ray: vec3f, met: vec4f, spread: f32, lit: vec4f) -> vec3f {
     var light = radtex_blurred(radtex_world_map, radtex.world_levels, ray, spread).rgb * radtex.world_range.z
         + radtex.world_range.w;
     var before: vec4f;
@@ -401,7 +418,7 @@ fn radtex_shown(whence: vec3f, ray: vec3f, met: vec4f, spread: f32) -> vec3f {
         before = radtex_picture(radtex_things_map, radtex.things_range, radtex.things_levels, met.xyz, spread + met.w);
         light = light * (1.0 - before.a) + before.rgb;
     }
-    return light + radtex_lamps(whence, ray, exp2(spread));
+    return light + radtex_lamps(whence, ray, exp2(spread), lit);
 }
 
 // What the object shows of itself in the direction that lies at a place on the square, and how much it leaves free.
@@ -448,8 +465,8 @@ fn radtex_reflected(colour: vec3f, width: f32, cosine: f32, opacity: f32) -> vec
 }
 
 // What a lobe (weight, and log2 of its width²) shows; `own` is what the object shows of itself.
-fn radtex_mirrored(whence: vec3f, ray: vec3f, met: vec4f, own: vec4f, lobe: vec4f) -> vec3f {
-    return lobe.rgb * mix(own.rgb, radtex_shown(whence, ray, met, lobe.a), radtex_free(own.a, exp2(lobe.a)));
+fn radtex_mirrored(whence: vec3f, ray: vec3f, met: vec4f, own: vec4f, lobe: vec4f, lit: vec4f) -> vec3f {
+    return lobe.rgb * mix(own.rgb, radtex_shown(whence, ray, met, lobe.a, lit), radtex_free(own.a, exp2(lobe.a)));
 }
 
 // A material at a place: the colour of its diffuse light, what its lobes are multiplied by, its normal, and its alpha,
@@ -511,7 +528,8 @@ fn radtex_lit(uv: vec2f, position: vec3f, face: vec3f, V: vec3f, look: RadtexLoo
     let above = curve - below;
     var low = 16 * material + i32(below);
     let facts = mix(radtex_of.curves[low], radtex_of.curves[low + 1], above);
-    var light = look.colour * radtex_map(radtex_irradiance_map, radtex.irradiance_range, uv).rgb * facts.rgb;
+    let even = radtex_map(radtex_irradiance_map, radtex.irradiance_range, uv).rgb;
+    var light = look.colour * even * facts.rgb;
     var axis = 2.0 * cosine * N - V;
     axis += max(0.01 - dot(axis, face), 0.0) * face;  // no lower than the surface
     axis *= inverseSqrt(dot(axis, axis));
@@ -525,16 +543,17 @@ fn radtex_lit(uv: vec2f, position: vec3f, face: vec3f, V: vec3f, look: RadtexLoo
         low += 16 * material;
         let met = radtex_met(whence, ray);
         var lobe = mix(radtex_of.lobes[low], radtex_of.lobes[low + 1], above);
+        let lit = radtex_lit_by(face, even, look.colour);
         var wider = 0.0;
         if RADTEX_WIDTH {
             wider = radtex_map(radtex_width_map, radtex.width_range, uv).r;
         }
         lobe.a += wider;
-        var mirrored = radtex_mirrored(whence, ray, met, own, lobe);
+        var mirrored = radtex_mirrored(whence, ray, met, own, lobe, lit);
         if RADTEX_SECOND_LOBE > 0 {
             lobe = mix(radtex_of.lobes[low + 16], radtex_of.lobes[low + 17], above);
             lobe.a += wider;
-            mirrored += radtex_mirrored(whence, ray, met, own, lobe);
+            mirrored += radtex_mirrored(whence, ray, met, own, lobe, lit);
         }
         var tint = look.tint;
         if RADTEX_GLOSSES {

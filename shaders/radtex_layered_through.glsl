@@ -96,7 +96,7 @@ vec3 radtex_through(vec2 uv, vec3 from, vec3 N, vec3 V, vec3 T, vec3 B) {
     vec3 away = way.xyz / max(even, 1e-9), moved = path.xyz / luminance;
     vec3 ray = away.x * T + away.y * B + away.z * N, exit = from + moved.x * T + moved.y * B + moved.z * N;
     return way.w * radtex_colours(radtex_through_colour_map, radtex_through_colour_range, uv)
-        * radtex_shown(exit, ray, radtex_met(exit, ray), log2(width));
+        * radtex_shown(exit, ray, radtex_met(exit, ray), log2(width), vec4(0.0, 0.0, 0.0, 1e6));
 }
 
 #ifndef RADTEX_IMAGES

@@ -112,7 +112,7 @@ float3 radtex_through(float2 uv, float3 from, float3 N, float3 V, float3 T, floa
     float3 away = way.xyz / max(even, 1e-9), moved = path.xyz / luminance;
     float3 ray = away.x * T + away.y * B + away.z * N, exit = from + moved.x * T + moved.y * B + moved.z * N;
     return way.w * radtex_colours(radtex_through_colour_map, radtex_through_colour_range, uv)
-        * radtex_shown(exit, ray, radtex_met(exit, ray), log2(width));
+        * radtex_shown(exit, ray, radtex_met(exit, ray), log2(width), float4(0.0, 0.0, 0.0, 1e6));
 }
 
 #ifndef RADTEX_IMAGES

@@ -111,7 +111,7 @@ fn radtex_through(uv: vec2f, whence: vec3f, N: vec3f, V: vec3f, T: vec3f, B: vec
     let ray = away.x * T + away.y * B + away.z * N;
     let exit = whence + moved.x * T + moved.y * B + moved.z * N;
     return way.w * radtex_colours(radtex_through_colour_map, radtex_exit.colour_range, uv)
-        * radtex_shown(exit, ray, radtex_met(exit, ray), log2(width));
+        * radtex_shown(exit, ray, radtex_met(exit, ray), log2(width), vec4f(0.0, 0.0, 0.0, 1e6));
 }
 
 // Radiance towards the viewer, in the unit direction V, from a fragment at `position`.

@@ -243,7 +243,8 @@ def in_a_room(atlas: LayeredAtlas) -> LayeredAtlas:
     boxes = np.stack([low, low + rng.uniform(0.2, 1.2, (8, 3))], axis=1).astype(np.float32)
     furniture = replace(things.shape, eye=-eye, boxes=boxes, shell=shell)
     layers = replace(plane, shape=shell), replace(things, shape=furniture)
-    lamps = (replace(atlas.around.lamps[0], behind=True), *atlas.around.lamps)
+    sun = replace(atlas.around.lamps[0], behind=True, irradiance=4 * atlas.around.lamps[0].irradiance)
+    lamps = (sun, *atlas.around.lamps)
     return replace(atlas, around=replace(atlas.around, layers=layers, lamps=lamps))
 
 

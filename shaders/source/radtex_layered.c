@@ -669,53 +669,70 @@ float radtex_free_way(vec3 from, vec3 ray, float spread) {
 }
 #endif
 
+float radtex_luminance(vec3 colour) {
+    return dot(colour, vec3(0.2126, 0.7152, 0.0722));
+}
+
+// The normal of a surface, and the luminance of its irradiance, which is pi times `even`: more than any sun's where the
+// diffuse colour is too dark to tell it.
+vec4 radtex_lit_by(vec3 face, vec3 even, vec3 colour) {
+    float unknown = max(1.0 - 50.0 * max(colour.r, max(colour.g, colour.b)), 0.0);
+    return vec4(face, 3.14159265 * radtex_luminance(even) + 1e6 * unknown);
+}
+
 #if RADTEX_LAMPS > 0
-// What a lobe of that width² shows of a lamp.
-vec3 radtex_lamp(vec4 place, vec4 light, vec3 from, vec3 ray, float width) {
+// What a lobe of that width² shows of a lamp. Of one that layers are before, a surface whose unit normal is lit.xyz sees
+// no more than the luminance of its irradiance, lit.w, allows.
+vec3 radtex_lamp(vec4 place, vec4 light, vec3 from, vec3 ray, float width, vec4 lit) {
     vec3 towards = place.xyz - from;
     float squared = dot(towards, towards), nearer = dot(place.xyz, place.xyz) / squared;
     float wide = width + place.w * nearer;
     float off = wide + 1.0 - dot(ray, towards) * inversesqrt(squared);
     float free = 1.0;
 #if RADTEX_SHELL > 0
-    if (light.w > 0.5) free = radtex_free_way(from, towards * inversesqrt(squared), log2(place.w * nearer));
+    if (light.w > 0.5) {
+        towards *= inversesqrt(squared);
+        free = lit.w / max(nearer * radtex_luminance(light.rgb) * max(dot(lit.xyz, towards), 0.1), 1e-9);
+        free = clamp((free - 0.1) / 0.9, 0.0, 1.0);
+        if (free > 0.0) free *= radtex_free_way(from, towards, log2(place.w * nearer));
+    }
 #endif
     return light.rgb * (free * nearer * (1.0 + 0.5 * wide) * wide / (6.2831853 * off * off));
 }
 #endif
 
-vec3 radtex_lamps(vec3 from, vec3 ray, float width) {
+vec3 radtex_lamps(vec3 from, vec3 ray, float width, vec4 lit) {
     vec3 light = vec3(0.0, 0.0, 0.0);
 #if RADTEX_LAMPS > 0
-    light += radtex_lamp(radtex_lamp_place[0], radtex_lamp_light[0], from, ray, width);
+    light += radtex_lamp(radtex_lamp_place[0], radtex_lamp_light[0], from, ray, width, lit);
 #endif
 #if RADTEX_LAMPS > 1
-    light += radtex_lamp(radtex_lamp_place[1], radtex_lamp_light[1], from, ray, width);
+    light += radtex_lamp(radtex_lamp_place[1], radtex_lamp_light[1], from, ray, width, lit);
 #endif
 #if RADTEX_LAMPS > 2
-    light += radtex_lamp(radtex_lamp_place[2], radtex_lamp_light[2], from, ray, width);
+    light += radtex_lamp(radtex_lamp_place[2], radtex_lamp_light[2], from, ray, width, lit);
 #endif
 #if RADTEX_LAMPS > 3
-    light += radtex_lamp(radtex_lamp_place[3], radtex_lamp_light[3], from, ray, width);
+    light += radtex_lamp(radtex_lamp_place[3], radtex_lamp_light[3], from, ray, width, lit);
 #endif
 #if RADTEX_LAMPS > 4
-    light += radtex_lamp(radtex_lamp_place[4], radtex_lamp_light[4], from, ray, width);
+    light += radtex_lamp(radtex_lamp_place[4], radtex_lamp_light[4], from, ray, width, lit);
 #endif
 #if RADTEX_LAMPS > 5
-    light += radtex_lamp(radtex_lamp_place[5], radtex_lamp_light[5], from, ray, width);
+    light += radtex_lamp(radtex_lamp_place[5], radtex_lamp_light[5], from, ray, width, lit);
 #endif
 #if RADTEX_LAMPS > 6
-    light += radtex_lamp(radtex_lamp_place[6], radtex_lamp_light[6], from, ray, width);
+    light += radtex_lamp(radtex_lamp_place[6], radtex_lamp_light[6], from, ray, width, lit);
 #endif
 #if RADTEX_LAMPS > 7
-    light += radtex_lamp(radtex_lamp_place[7], radtex_lamp_light[7], from, ray, width);
+    light += radtex_lamp(radtex_lamp_place[7], radtex_lamp_light[7], from, ray, width, lit);
 #endif
     return light;
 }
 
 // What a lobe about the unit ray, of a width² whose log2 is `spread`, shows of the surroundings from a place that is
-// given from the middle; `met` is radtex_met of both.
-vec3 radtex_shown(vec3 from, vec3 ray, vec4 met, float spread) {
+// given from the middle; `met` is radtex_met of both, `lit` as for radtex_lamp.
+vec3 radtex_shown(vec3 from, vec3 ray, vec4 met, float spread, vec4 lit) {
     vec3 light = radtex_blurred(radtex_world_map, radtex_world_levels, ray, spread).rgb * radtex_world_range.z
         + radtex_world_range.w;
     vec4 before;
@@ -731,7 +748,7 @@ vec3 radtex_shown(vec3 from, vec3 ray, vec4 met, float spread) {
     before = radtex_picture(radtex_things_map, radtex_things_range, radtex_things_levels, met.xyz, spread + met.w);
     light = light * (1.0 - before.a) + before.rgb;
 #endif
-    return light + radtex_lamps(from, ray, exp2(spread));
+    return light + radtex_lamps(from, ray, exp2(spread), lit);
 }
 #endif
 
@@ -794,8 +811,8 @@ vec3 radtex_reflected(vec3 colour, float width, float cosine, float opacity) {
 #endif
 
 // What a lobe (weight, and log2 of its width²) shows; `own` is what the object shows of itself.
-vec3 radtex_mirrored(vec3 from, vec3 ray, vec4 met, vec4 own, vec4 lobe) {
-    return lobe.rgb * mix(own.rgb, radtex_shown(from, ray, met, lobe.a), radtex_free(own.a, exp2(lobe.a)));
+vec3 radtex_mirrored(vec3 from, vec3 ray, vec4 met, vec4 own, vec4 lobe, vec4 lit) {
+    return lobe.rgb * mix(own.rgb, radtex_shown(from, ray, met, lobe.a, lit), radtex_free(own.a, exp2(lobe.a)));
 }
 #endif
 
@@ -916,7 +933,8 @@ vec3 radtex_lit(vec2 uv, vec3 position, vec3 face, vec3 V, RadtexLook look) {
     float below = min(floor(curve), 14.0), above = curve - below;
     int low = 16 * material + int(below);
     vec4 facts = mix(radtex_material[low], radtex_material[low + 1], above);
-    vec3 light = look.colour * radtex_map(radtex_irradiance_map, radtex_irradiance_range, uv).rgb * facts.rgb;
+    vec3 even = radtex_map(radtex_irradiance_map, radtex_irradiance_range, uv).rgb;
+    vec3 light = look.colour * even * facts.rgb;
     vec3 axis = 2.0 * cosine * N - V;
     axis += max(0.01 - dot(axis, face), 0.0) * face;  // no lower than the surface
     axis *= inversesqrt(dot(axis, axis));
@@ -929,16 +947,17 @@ vec3 radtex_lit(vec2 uv, vec3 position, vec3 face, vec3 V, RadtexLook look) {
     vec3 ray = axis * sqrt(1.0 - facts.a * facts.a) + towards * facts.a;
     low += 16 * material;
     vec4 met = radtex_met(from, ray), lobe = mix(radtex_lobes[low], radtex_lobes[low + 1], above);
+    vec4 lit = radtex_lit_by(face, even, look.colour);
     float wider = 0.0;
 #ifdef RADTEX_WIDTH
     wider = radtex_map(radtex_width_map, radtex_width_range, uv).r;
 #endif
     lobe.a += wider;
-    vec3 mirrored = radtex_mirrored(from, ray, met, own, lobe);
+    vec3 mirrored = radtex_mirrored(from, ray, met, own, lobe, lit);
 #if RADTEX_SECOND_LOBE > 0
     lobe = mix(radtex_lobes[low + 16], radtex_lobes[low + 17], above);
     lobe.a += wider;
-    mirrored += radtex_mirrored(from, ray, met, own, lobe);
+    mirrored += radtex_mirrored(from, ray, met, own, lobe, lit);
 #endif
     vec3 tint = look.tint;
 #ifdef RADTEX_GLOSSES

@@ -163,7 +163,7 @@ class _Fit:
         """What models of the same grid say of its texels' samples, (3, K, S) float16; keeps their places."""
         surface, grid, square = self.surface, models[0].grid, self.light.square
         offset = (surface.plan.points - surface.around.middle).astype(np.float32)
-        each = self.used.shape[1]
+        number, each = np.arange(len(self.used)), self.used.shape[1]
         shown = [np.empty((3, *self.used.shape), dtype=np.float16) for _ in models]
 
         def look(block: Block) -> None:
@@ -178,6 +178,7 @@ class _Fit:
                     surface.around, surface.materials, _for_each(offset[some], each).T,
                     axis.reshape(3, -1).T, _for_each(surface.normal[some], each).T, cosine.ravel(),
                     material, width,
+                    None if surface.lit is None else surface.lit.some(number[some].repeat(each)),
                 )
             )  # fmt: skip
             for model, kept in zip(models, shown, strict=True):

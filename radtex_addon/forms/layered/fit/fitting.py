@@ -20,7 +20,7 @@ from ....core.octahedron import cell_directions
 from ....settings.rays import coarser
 from ..cells import CELLS
 from ..lookup.atlas import LayeredAtlas
-from ..lookup.environment import Around
+from ..lookup.environment import Around, Lit
 from ..lookup.lobes import LOWEST, Material
 from ..lookup.ways import Through
 from ..samples import LayeredSamples
@@ -84,6 +84,7 @@ def fit_layered(
     surface = Surface(
         grid, normal, irradiance * colour, falloff, tint,
         lobes.width, capture.material, materials, around, free,
+        Lit.of(plan.normals, irradiance, colour),
     )  # fmt: skip
     yield Progress(Stage.FIT, 3, _STEPS)
     found = fit_buckets(surface, own, light, used, parts, known)

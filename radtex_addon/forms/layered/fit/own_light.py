@@ -20,7 +20,7 @@ from ....bake.light_samples import Some, mirrored
 from ....bake.plan import CapturePlan
 from ....core.arrays import Bools, Floats, Ints
 from ..lookup.atlas import mirrored_light
-from ..lookup.environment import Around
+from ..lookup.environment import Around, Lit
 from ..lookup.lobes import Material, falloff_at, shown_at
 from ..lookup.ray_ends import lamp_light, light_of
 from ..samples import OwnRays
@@ -40,7 +40,7 @@ class Surface:
 
     `normal` (K, 3), the shading normals; `diffuse` (K, 3), along the normal, and its `falloff` by material;
     `tint` (K, 3), `width` (K,), what lobes' width² is multiplied by; `material` (K,); `free` (1, B, n*n), the
-    kept mask, of the `grid`'s buckets.
+    kept mask, of the `grid`'s buckets. `lit`: by how much light falls on the texels, None for any.
     """
 
     grid: BucketGrid
@@ -53,6 +53,7 @@ class Surface:
     materials: tuple[Material, ...]
     around: Around
     free: Floats
+    lit: Lit | None = None
 
     @property
     def plan(self) -> CapturePlan:
@@ -176,6 +177,7 @@ class _Met:
         shown, share = mirrored_light(
             around, surface.materials, offset.T, mirrored.T, normal.T,
             cosine, surface.material[met], surface.width[met], free, surface.cells,
+            None if surface.lit is None else surface.lit.some(met),
         )  # fmt: skip
         diffuse = surface.diffuse[met] * falloff_at(surface.falloff, surface.material[met], cosine)
         tint = shown_at(

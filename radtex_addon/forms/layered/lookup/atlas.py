@@ -16,7 +16,7 @@ from ....core.arrays import Floats, Ints
 from ....core.fragments import Fragments
 from ....core.octahedron import direction_to_octahedron
 from ....core.sampler import bilinear, bilinear_texels
-from .environment import Around
+from .environment import Around, Lit
 from .images import ImageLook, Look
 from .lobes import Material, bent, falloff_at, lifted, seen_free, shown_at
 from .ways import Through, look_through
@@ -80,14 +80,15 @@ def sample_layered(atlas: LayeredAtlas, at: Fragments, look: Look | None = None)
     axis = (2 * cosine[:, None] * normal - at.viewer).astype(np.float32)
     axis = lifted(axis.T, at.normal.T).T
     cosine = np.maximum(cosine, _LEAST_COSINE)
-    light = look.colour * bilinear(atlas.irradiance, at.uv)
+    irradiance = bilinear(atlas.irradiance, at.uv)
+    light = look.colour * irradiance
     light = light * falloff_at(atlas.falloff, at.material, cosine)
     own = look_up(atlas.own, at.uv, axis)
     offset = at.position - atlas.around.middle
     width = np.ones(len(axis), np.float32) if atlas.width is None else 2 ** bilinear(atlas.width, at.uv)[:, 0]
     direct, share = mirrored_light(
         atlas.around, atlas.materials, offset, axis, normal, cosine, at.material, width,
-        own[3], atlas.own.shape[2],
+        own[3], atlas.own.shape[2], Lit.of(at.normal, irradiance, look.colour),
     )  # fmt: skip
     mirrored = direct + share * own[:3]
     alpha = alpha_at(atlas, at.uv)
@@ -122,14 +123,16 @@ def mirrored_light(
     width: Floats,
     free: Floats,
     cells: int,
+    lit: Lit | None = None,
 ) -> tuple[Floats, Floats]:
     """What lobes show of the surroundings, (3, N), and how much they show of the object itself, (3, N).
 
     `offset` (N, 3) is from the middle, `axis` (N, 3) the mirror direction, `cosine` (N,) N.V; `width` (N,)
-    what the lobes' width² is multiplied by; `free` (N,) what the kept mask of `cells` x `cells` says.
+    what the lobes' width² is multiplied by; `free` (N,) what the kept mask of `cells` x `cells` says;
+    `lit` as for `Around.look`.
     """
     direct, share = (np.zeros((3, len(axis)), dtype=np.float32) for _ in range(2))
-    for lobe in lobes_light(around, materials, offset, axis, normal, cosine, material, width):
+    for lobe in lobes_light(around, materials, offset, axis, normal, cosine, material, width, lit):
         lobe.add_to(direct, share, free, cells)
     return direct, share
 
@@ -162,6 +165,7 @@ def lobes_light(
     cosine: Floats,
     material: Ints,
     width: Floats,
+    lit: Lit | None = None,
 ) -> Iterator[LobeLight]:
     """The lobes of all materials, with nothing before the surroundings; arguments as for `mirrored_light`."""
     for number, lobes in enumerate(materials):
@@ -172,8 +176,9 @@ def lobes_light(
         weight, variance, bend = lobes.at(cosine[some])
         turned = bent(_rows(axis, some), _rows(normal, some), bend)
         beside = _rows(offset, some)
+        bounds = lit if lit is None or isinstance(some, slice) else lit.some(some)
         for one, wide in zip(weight, (variance * width[some]).astype(np.float32), strict=True):
-            yield LobeLight(some, one, wide, around.look(beside, turned, wide))
+            yield LobeLight(some, one, wide, around.look(beside, turned, wide, bounds))
 
 
 def _rows(values: Floats, some: Some) -> Floats:

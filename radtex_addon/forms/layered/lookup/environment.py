@@ -12,6 +12,7 @@ from typing import cast
 import numpy as np
 
 from ....core.arrays import Floats, Ints
+from ....core.colour_spaces import LUMINANCE
 from ....core.gutter import dilate, nearest_covered
 from ....core.octahedron import cell_directions, direction_to_octahedron, octahedron_cell
 from ..cells import DISTANCES
@@ -27,6 +28,10 @@ MOST_PLANES = 8  # of a shell
 MOST_BOXES = 8  # around what stands in one
 SMALLEST = 1e-7  # part of a unit vector
 BEYOND = 0.12  # of a thing's distance: what is further than its box by that is not met in it
+SHADED = 0.1  # of a sun's light: what else a place in its shadow may have
+LEAST_FACING = 0.1  # cosine between a normal and the way to a lamp
+KNOWN = 50.0  # one over the diffuse colour from which on irradiance is known
+BRIGHTER = 1e6  # than any sun
 FARTHEST = 1e6  # how far away a ray meets a shell that it leaves
 
 
@@ -272,6 +277,37 @@ class SurroundingLayer:
 
 
 @dataclass(frozen=True, eq=False)
+class Lit:
+    """How much light falls on places, which tells how much of a sun they see at most.
+
+    `normal` (N, 3), the mesh's; `light` (N,): luminance of their irradiance, or more than any sun's.
+    """
+
+    normal: Floats
+    light: Floats
+
+    @classmethod
+    def of(cls, normal: Floats, irradiance: Floats, colour: Floats) -> Lit:
+        """Of an irradiance over pi (N, 3), which is known unless the diffuse `colour` (N, 3) is dark."""
+        unknown = np.maximum(1 - KNOWN * colour.max(axis=1), 0)
+        return cls(normal, np.pi * (irradiance @ LUMINANCE) + BRIGHTER * unknown)
+
+    def some(self, rows: Ints | slice) -> Lit:
+        """Of some of the places."""
+        return Lit(self.normal[rows], self.light[rows])
+
+    def most(self, towards: Floats, irradiance: Floats) -> Floats:
+        """How much places see at most, (N,), of a lamp in unit directions (N, 3).
+
+        It sends a surface that faces it the `irradiance` (N,), in luminance.
+        """
+        facing = np.maximum((self.normal * towards).sum(axis=1), LEAST_FACING)
+        share = self.light / np.maximum(irradiance * facing, 1e-9)
+        found: Floats = np.clip((share - SHADED) / (1 - SHADED), 0, 1)
+        return found
+
+
+@dataclass(frozen=True, eq=False)
 class Lamp:
     """A lamp that is seen: its `place` (3,) from the middle, `irradiance` (3,) there, `variance` of its size.
 
@@ -304,10 +340,11 @@ class Around:
     layers: tuple[SurroundingLayer, ...]
     lamps: tuple[Lamp, ...]
 
-    def look(self, offset: Floats, axis: Floats, variance: Floats) -> Floats:
+    def look(self, offset: Floats, axis: Floats, variance: Floats, lit: Lit | None = None) -> Floats:
         """What rays from offsets (N, 3) from the middle see along unit axes (N, 3): (3, N) float32.
 
         Blurred by variances (N,), radians² along each of two axes. Components had better lie apart in memory.
+        `lit` bounds what places see of lamps that layers are before.
         """
         axis, offset = axis.astype(np.float32), offset.astype(np.float32)
         light = self.world.look(axis, variance)
@@ -316,18 +353,24 @@ class Around:
             light = light * (1 - seen[3]) + seen[:3]
         for lamp in self.lamps:
             shown = lamp.light(offset, axis, variance)
-            light = light + (shown * self._open(offset, lamp) if lamp.behind else shown)
+            light = light + (shown * self._open(offset, lamp, lit) if lamp.behind else shown)
         return light.astype(np.float32)
 
-    def _open(self, offset: Floats, lamp: Lamp) -> Floats:
-        """How much of a lamp behind the layers is seen between them from offsets (N, 3): (N,)."""
+    def _open(self, offset: Floats, lamp: Lamp, lit: Lit | None) -> Floats:
+        """How much of a lamp behind the layers is seen between them from offsets (N, 3): (N,).
+
+        No more than `lit` says: in a sun's shadow it is not seen, whatever the layers' pictures show.
+        """
         towards = (lamp.place - offset).astype(np.float32)
         distance = np.linalg.norm(towards, axis=1)
         axis, wide = towards / distance[:, None], lamp.variance * (lamp.place @ lamp.place) / distance**2
         free = np.ones(len(offset), dtype=np.float32)
         for layer in self.layers:
             free *= 1 - layer.seen(offset, axis, wide.astype(np.float32))[3]
-        return free
+        if lit is None:
+            return free
+        sent = float(LUMINANCE @ lamp.irradiance) * float(lamp.place @ lamp.place) / distance**2
+        return cast(Floats, (free * lit.most(axis, sent)).astype(np.float32))
 
 
 def lamps_of(

@@ -28,7 +28,7 @@ from .images import (
     reflected_at,
     reflected_group,
 )
-from .surroundings import around_group
+from .surroundings import around_group, most_of, shaded_lamps
 from .through import through_group
 
 CURVES = "curves"  # the image of `curves_of`
@@ -53,7 +53,8 @@ def build_layered_group(
     _check_sizes(images, facts)
     octahedron = octahedron_group()
     around = around_group(images, facts, octahedron)
-    mirrored = _mirrored_group(images, facts, octahedron, around)
+    shaded = shaded_lamps(facts)
+    mirrored = _mirrored_group(images, facts, octahedron, around, list(shaded))
     through = None
     if facts.through is not None and SHOWS_THROUGH:
         through = through_group(images, facts, octahedron, around)
@@ -82,6 +83,7 @@ def build_layered_group(
     colour = look.colour((falloff, first, second))
     (irradiance,) = build.group(map_group("Irradiance", images[IRRADIANCE]), _later(build, uv, (colour,)))
     light = build.vector("MULTIPLY", build.vector("MULTIPLY", colour, irradiance), falloff, label="diffuse")
+    seen = [most_of(build, lamp, offset, outward, irradiance, colour) for lamp in shaded.values()]
     alpha = None
     if ALPHA in images:
         there = _later(build, uv, (light,))
@@ -95,8 +97,9 @@ def build_layered_group(
         widths = (build.math("MULTIPLY", widths[0], factor), build.math("MULTIPLY", widths[1], factor))
     reflected = reflected_at(build, curves, cosine, material, factor) if facts.glosses else None
     shown, rest = build.group(
-        mirrored, _later(build, uv, (light, *widths)), offset, shading, axis, first, second, bend, *widths
-    )
+        mirrored, _later(build, uv, (light, *widths, *seen)), offset, shading, axis, first, second, bend,
+        *widths, *seen,
+    )  # fmt: skip
     shown = look.tinted(shown, rest, alpha, reflected)
     if alpha is not None:
         rest = build.vector("SCALE", rest, alpha)
@@ -205,11 +208,15 @@ def _mirrored_group(
     facts: LayeredSidecar,
     octahedron: bpy.types.ShaderNodeTree,
     around: bpy.types.ShaderNodeTree,
+    shaded: Sequence[str],
 ) -> bpy.types.ShaderNodeTree:
-    """What both lobes show of the surroundings and of the object itself; and the rest: Light and Rest."""
+    """What both lobes show of the surroundings and of the object itself; and the rest: Light and Rest.
+
+    The inputs named `shaded` are those of `around_group`.
+    """
     own = buckets_group("Own", images[OWN], facts.own_cells, facts.coarse)
     rest = buckets_group("Rest", images[REST], facts.rest_cells, facts.coarse)
-    lobe = _lobe_group(around, facts.own_cells)
+    lobe = _lobe_group(around, facts.own_cells, shaded)
     build, inputs = open_group(
         "RadTex Mirrored",
         UV="Vector",
@@ -221,8 +228,9 @@ def _mirrored_group(
         Bend="Float",
         Narrow="Float",
         Wide="Float",
+        **dict.fromkeys(shaded, "Float"),
     )
-    uv, offset, normal, axis, first, second, bend, narrow, wide = inputs
+    uv, offset, normal, axis, first, second, bend, narrow, wide, *seen = inputs
     (place,) = build.group(octahedron, axis)
     itself, free = build.group(own, uv, place)
     along = build.vector("SCALE", axis, build.vector("DOT_PRODUCT", normal, axis))
@@ -234,19 +242,21 @@ def _mirrored_group(
         label="bent towards the normal",
     )
     narrow = ordered(build, narrow, (itself, free))
-    (light,) = build.group(lobe, offset, turned, first, narrow, itself, free)
+    (light,) = build.group(lobe, offset, turned, first, narrow, itself, free, *seen)
     wide = ordered(build, wide, (light,))
-    (more,) = build.group(lobe, offset, turned, second, wide, itself, free)
+    (more,) = build.group(lobe, offset, turned, second, wide, itself, free, *seen)
     (left, _) = build.group(rest, _later(build, uv, (more,)), _later(build, place, (more,)))
     return close_group(build, Light=build.vector("ADD", light, more), Rest=left)
 
 
-def _lobe_group(around: bpy.types.ShaderNodeTree, cells: int) -> bpy.types.ShaderNodeTree:
+def _lobe_group(
+    around: bpy.types.ShaderNodeTree, cells: int, shaded: Sequence[str]
+) -> bpy.types.ShaderNodeTree:
     """One lobe's Weight times what it sees: the surroundings where they are Free, else the object Itself.
 
     The mask is sharpened as `lookup.lobes.seen_free` does.
     """
-    build, (offset, axis, weight, spread, itself, free) = open_group(
+    build, (offset, axis, weight, spread, itself, free, *bounds) = open_group(
         "RadTex Lobe",
         Offset="Vector",
         Axis="Vector",
@@ -254,6 +264,7 @@ def _lobe_group(around: bpy.types.ShaderNodeTree, cells: int) -> bpy.types.Shade
         Spread="Float",
         Itself="Vector",
         Free="Float",
+        **dict.fromkeys(shaded, "Float"),
     )
     width = build.math("SQRT", build.math("ADD", spread, _EDGE**2))
     sharper = build.math("MAXIMUM", build.math("DIVIDE", _KEPT / cells, width), 1.0)
@@ -263,5 +274,5 @@ def _lobe_group(around: bpy.types.ShaderNodeTree, cells: int) -> bpy.types.Shade
     flat = build.math("SUBTRACT", 1.0, build.math("MULTIPLY", side, side))
     root = build.math("SQRT", build.math("MULTIPLY_ADD", place, place, flat))
     seen = build.math("MULTIPLY_ADD", build.math("DIVIDE", place, root), 0.5, 0.5, label="free")
-    (light,) = build.group(around, offset, axis, spread)
+    (light,) = build.group(around, offset, axis, spread, *bounds)
     return close_group(build, Light=build.vector("MULTIPLY", weight, build.mix(seen, itself, light)))

@@ -9,11 +9,24 @@ from math import pi
 
 import bpy
 
+from ....core.colour_spaces import LUMINANCE
 from ....preview.taps import bilinear, pair, pixel_centre, readable_size
 from ....scene.nodes import NodeBuilder, Socket, close_group, open_group
 from ..files.arrangement import DISTANCES, PLANE, THINGS, WORLD
 from ..files.sidecar import LayeredSidecar, OctahedralPicture
-from ..lookup.environment import BEYOND, FARTHEST, SMALLEST, STEPS, Lamp, Plane, Shell
+from ..lookup.environment import (
+    BEYOND,
+    BRIGHTER,
+    FARTHEST,
+    KNOWN,
+    LEAST_FACING,
+    SHADED,
+    SMALLEST,
+    STEPS,
+    Lamp,
+    Plane,
+    Shell,
+)
 from .images import constant, ordered
 
 _LEAST = 1e-12  # width²
@@ -26,7 +39,10 @@ _Images = Mapping[str, bpy.types.Image]
 def around_group(
     images: _Images, facts: LayeredSidecar, octahedron: bpy.types.ShaderNodeTree
 ) -> bpy.types.ShaderNodeTree:
-    """What a lobe sees from an Offset from the middle along a unit Axis with a Spread, its width²."""
+    """What a lobe sees from an Offset from the middle along a unit Axis with a Spread, its width².
+
+    For each of `shaded_lamps` it has one more input: how much of that lamp the surface sees at most.
+    """
     world = picture_group("World", images[WORLD], facts.pictures[WORLD], octahedron)
     near = []
     if facts.plane is not None:
@@ -37,12 +53,17 @@ def around_group(
         picture = picture_group("Things", images[THINGS], facts.pictures[THINGS], octahedron)
         near.append(_over_group("Things", picture, _things_group(images[DISTANCES], octahedron, facts)))
     lamp = _lamp_group() if facts.lamps else None
-    build, (offset, axis, spread) = open_group(
-        "RadTex Surroundings", Offset="Vector", Axis="Vector", Spread="Float"
+    shaded = shaded_lamps(facts)
+    build, (offset, axis, spread, *most) = open_group(
+        "RadTex Surroundings",
+        Offset="Vector",
+        Axis="Vector",
+        Spread="Float",
+        **dict.fromkeys(shaded, "Float"),
     )
     along, wide, opened = axis, spread, {}
-    for one in (one for one in facts.lamps if one.behind):  # first of all, while few values are kept
-        opened[one] = _open(build, near, offset, wide, one)
+    for one, seen in zip(shaded.values(), most, strict=True):  # first of all, while few values are kept
+        opened[one] = _open(build, near, offset, wide, one, seen)
         _, along, wide = _all_late(build, offset, axis, spread, opened[one])
     light, _ = build.group(world, along, wide)
     for layer in near:
@@ -55,11 +76,40 @@ def around_group(
     return close_group(build, Light=light)
 
 
+def shaded_lamps(facts: LayeredSidecar) -> dict[str, Lamp]:
+    """The lamps that layers are before, by the names of groups' inputs."""
+    return {f"Lamp {number}": lamp for number, lamp in enumerate(facts.lamps) if lamp.behind}
+
+
+def most_of(
+    build: NodeBuilder, lamp: Lamp, offset: Socket, outward: Socket, irradiance: Socket, colour: Socket
+) -> Socket:
+    """`Lit.most` of a lamp, on a surface of that normal, irradiance over pi, and diffuse colour."""
+    red, green, blue = build.separate(colour)
+    brightest = build.math("MAXIMUM", red, build.math("MAXIMUM", green, blue))
+    unknown = build.math("MAXIMUM", build.math("MULTIPLY_ADD", brightest, -KNOWN, 1.0), 0.0)
+    luminance = build.vector("DOT_PRODUCT", irradiance, constant(LUMINANCE))
+    light = build.math("MULTIPLY_ADD", luminance, pi, build.math("MULTIPLY", unknown, BRIGHTER))
+    towards = build.vector("SUBTRACT", constant(lamp.place), offset)
+    sent = float(LUMINANCE @ lamp.irradiance) * float(lamp.place @ lamp.place)
+    nearer = build.math("DIVIDE", sent, build.vector("DOT_PRODUCT", towards, towards))
+    facing = build.vector("DOT_PRODUCT", outward, build.vector("NORMALIZE", towards))
+    falls = build.math("MULTIPLY", nearer, build.math("MAXIMUM", facing, LEAST_FACING))
+    share = build.math("DIVIDE", light, build.math("MAXIMUM", falls, 1e-9))
+    share = build.math("MULTIPLY_ADD", share, 1 / (1 - SHADED), -SHADED / (1 - SHADED))
+    return build.math("MINIMUM", build.math("MAXIMUM", share, 0.0), 1.0)
+
+
 def _open(
-    build: NodeBuilder, near: list[bpy.types.ShaderNodeTree], offset: Socket, known: Socket, lamp: Lamp
+    build: NodeBuilder,
+    near: list[bpy.types.ShaderNodeTree],
+    offset: Socket,
+    known: Socket,
+    lamp: Lamp,
+    most: Socket,
 ) -> Socket:
     """`Around._open`, evaluated after a number is known. The stack of Blender 4.5 holds the walls alone."""
-    free = ordered(build, build.value(1.0), (known,))
+    free = ordered(build, most, (known,))
     for layer in near if bpy.app.version >= (5, 0) else near[:1]:
         there = _late(build, offset, free)
         towards = build.vector("SUBTRACT", constant(lamp.place), there)

@@ -18,6 +18,7 @@ from ....scene.nodes import NodeBuilder, Operand, Socket, close_group, open_grou
 from ..files.arrangement import EXIT_DIRECTION, EXIT_PLACE, THROUGH_COLOUR, THROUGH_REST
 from ..files.sidecar import LayeredSidecar
 from .images import buckets_group, map_group, position_of
+from .surroundings import shaded_lamps
 
 _APART, _ALIKE, _EVEN = 0.8, 0.95, 0.03  # as in lookup.ways
 
@@ -66,7 +67,8 @@ def through_group(
         ordered = build.combine(after(build, x, known), y)
         sums = known = build.group(agreeing, chief, *sums, ordered, cell, weight)
     away, moved, kept, spread, total = sums
-    light = _looked_up(build, around, offset, frame, (away, moved, kept, spread, total))  # type: ignore[arg-type]
+    sums = (away, moved, kept, spread, total)
+    light = _looked_up(build, around, offset, frame, sums, facts)  # type: ignore[arg-type]
     light = build.vector("MULTIPLY", light, build.group(colour, uv)[0])
     (place,) = build.group(octahedron, build.vector("SCALE", viewer, -1.0))
     return close_group(build, Light=build.vector("ADD", light, build.group(rest, uv, place)[0]))
@@ -175,6 +177,7 @@ def _looked_up(
     offset: Socket,
     frame: tuple[Socket, Socket, Socket],
     ways: tuple[Socket, Socket, Socket, Socket, Socket],
+    facts: LayeredSidecar,
 ) -> Socket:
     """What the filtered ray shows of the surroundings, as bright as all rays: `ways.shown_of`."""
     away, moved, kept, spread, total = ways
@@ -188,7 +191,8 @@ def _looked_up(
     direction = _in_world(build, build.vector("NORMALIZE", away), frame)
     shift = build.vector("SCALE", moved, build.math("DIVIDE", factor, weight))
     start = build.vector("ADD", offset, _in_world(build, shift, frame))
-    (light,) = build.group(around, start, direction, variance)
+    whole = [1.0 for _ in shaded_lamps(facts)]  # whatever light falls on the surface
+    (light,) = build.group(around, start, direction, variance, *whole)
     return build.vector("SCALE", light, total)
 
 
