@@ -459,7 +459,7 @@ float3 radtex_lamps(float3 from, float3 ray, float width, float4 lit) {
 }
 
 // What a lobe about the unit ray, of a width² whose log2 is `spread`, shows of the surroundings from a place that is
-// given from the middle; `met` is radtex_met of both, `lit` as for radtex_lamp.
+// given from the middle; `met` is radtex_met of both, `lit` as for radtex_lamp, (0, 0, 0, 1e6) where no surface is.
 float3 radtex_shown(float3 from, float3 ray, float4 met, float spread, float4 lit) {
     float3 light = radtex_blurred(radtex_world_map, radtex_world_levels, ray, spread).rgb * radtex_world_range.z
         + radtex_world_range.w;

@@ -401,7 +401,7 @@ fn radtex_lamps(whence: vec3f, ray: vec3f, width: f32, lit: vec4f) -> vec3f {
 }
 
 // What a lobe about the unit ray, of a width² whose log2 is `spread`, shows of the surroundings from a place that is
-// given from the middle; `met` is radtex_met of both, `lit` as for radtex_lamp.
+// given from the middle; `met` is radtex_met of both, `lit` as for radtex_lamp, (0, 0, 0, 1e6) where no surface is.
 fn radtex_shown(whence: vec3f, ray: vec3f, met: vec4f, spread: f32, lit: vec4f) -> vec3f {
     var light = radtex_blurred(radtex_world_map, radtex.world_levels, ray, spread).rgb * radtex.world_range.z
         + radtex.world_range.w;

@@ -18,7 +18,7 @@ PROBES = 2  # rays per cell of these buckets; a cell is hidden if all of its ray
 
 WORLD_WIDTH = 1280  # of a layered bake's panorama of the world in pixels, one ray each: it is free of noise
 NEAR_WIDTH, NEAR_SAMPLES = 896, 6  # of those of near things, which are denoised
-ROOM_SAMPLES = 24  # of those in a room, which has little direct light
+ROOM_SAMPLES = 16  # of those in a room, which has little direct light
 
 MORE_LIGHT = 2  # times the paths of light that noisy light takes besides, at most
 _SAMPLES = 16  # samples of a plain bake with 8 x 8 cells that costs as much as the default `LayeredRays`

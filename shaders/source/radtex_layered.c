@@ -731,7 +731,7 @@ vec3 radtex_lamps(vec3 from, vec3 ray, float width, vec4 lit) {
 }
 
 // What a lobe about the unit ray, of a width² whose log2 is `spread`, shows of the surroundings from a place that is
-// given from the middle; `met` is radtex_met of both, `lit` as for radtex_lamp.
+// given from the middle; `met` is radtex_met of both, `lit` as for radtex_lamp, (0, 0, 0, 1e6) where no surface is.
 vec3 radtex_shown(vec3 from, vec3 ray, vec4 met, float spread, vec4 lit) {
     vec3 light = radtex_blurred(radtex_world_map, radtex_world_levels, ray, spread).rgb * radtex_world_range.z
         + radtex_world_range.w;

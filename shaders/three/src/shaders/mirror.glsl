@@ -28,7 +28,7 @@ vec4 left_by(RadtexMet met, vec3 ray) {
 vec3 beyond(vec3 from, vec3 ray) {
 #if defined(LAYERED) && (defined(RADTEX_MIRRORS) || defined(RADTEX_THROUGH))
     vec3 place = from - radtex_middle.xyz;
-    return radtex_shown(place, ray, radtex_met(place, ray), radtex_world_levels.z);
+    return radtex_shown(place, ray, radtex_met(place, ray), radtex_world_levels.z, vec4(0.0, 0.0, 0.0, 1e6));
 #else
     return u_sky;
 #endif
