@@ -23,6 +23,7 @@ from radtex_addon.forms.layered.lookup.environment import (
     Around,
     Impostor,
     Lamp,
+    Lit,
     Pictures,
     Plane,
     Shell,
@@ -155,6 +156,20 @@ def test_a_lamp_sends_all_its_light_however_blurred() -> None:
         seen = lamp.light(np.zeros_like(direction), direction, np.full(len(direction), wide, np.float32))
         share = 4 * np.abs(direction).sum(axis=1) ** 3 / size**2
         np.testing.assert_allclose((seen * share).sum(axis=1), lamp.irradiance, rtol=0.05)
+
+
+def test_a_surface_mirrors_a_sun_outdoors_only_where_its_light_falls() -> None:
+    """Lit by the sun, half of it, in its shadow, in its shadow beside other light, and of a black metal."""
+    dark = Pictures.of(cell_directions(8).astype(np.float32), np.zeros((64, 3)), 8)
+    sun = Lamp(np.array([0, 0, 1e4], np.float32), np.array([2, 2, 2], np.float32), 1e-4, behind=True)
+    around = Around(np.zeros(3, np.float32), dark, (), (sun,))
+    up = np.tile(np.array([0, 0, 1], np.float32), (5, 1))
+    irradiance = np.array([2.4, 1.1, 0.0, 0.2, 0.0])[:, None] * np.ones(3) / np.pi
+    colour = np.array([0.5, 0.5, 0.5, 0.5, 0.0])[:, None] * np.ones(3)
+    look = [np.zeros((5, 3)), up, np.full(5, 1e-3, np.float32)]
+    whole, seen = around.look(*look), around.look(*look, Lit.of(up, irradiance, colour))
+    assert whole.min() > 100
+    np.testing.assert_allclose(seen / whole, np.array([[1, 0.5, 0, 0, 1]] * 3), atol=1e-3)
 
 
 def test_a_lamp_twice_as_far_is_a_quarter_as_bright() -> None:
