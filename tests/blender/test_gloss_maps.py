@@ -14,7 +14,13 @@ import numpy as np
 from radtex_addon.bake.progress import finished
 from radtex_addon.core.arrays import Floats
 from radtex_addon.cycles.path_ends import Body
-from radtex_addon.forms.layered.capture.gloss_maps import capture_gloss, may_vary, width_of
+from radtex_addon.forms.layered.capture.gloss_maps import (
+    capture_gloss,
+    may_vary,
+    sharpest_width,
+    width_of,
+)
+from radtex_addon.forms.layered.capture.panoramas import share_for
 from radtex_addon.forms.layered.fit.fitting import fit_layered
 from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas
 from radtex_addon.scene.nodes import NodeBuilder
@@ -144,6 +150,27 @@ def test_no_rays_are_spent_where_roughness_cannot_vary(tmp_path: Path) -> None:
     even = [material("Even", "ShaderNodeBsdfPrincipled"), material("Matt", "ShaderNodeBsdfDiffuse")]
     assert not any(map(may_vary, even))
     assert _captured(even, tmp_path / "absent") is None
+
+
+def test_rough_things_need_no_sharp_pictures_of_a_room() -> None:
+    def share(*materials: bpy.types.Material, evaluated: Floats | None = None) -> float:
+        mesh = bpy.data.meshes.new("Thing")
+        for one in materials:
+            mesh.materials.append(one)
+        body = Body(bpy.data.objects.new("Thing", mesh), mesh, np.eye(4))
+        return share_for(sharpest_width([body], evaluated))
+
+    def plastic(roughness: float, coat: float = 0.0) -> bpy.types.Material:
+        return material("Plastic", "ShaderNodeBsdfPrincipled", Roughness=roughness, Coat_Weight=coat)
+
+    assert share(material("Matt", "ShaderNodeBsdfDiffuse")) == share(plastic(0.6)) == 0.25
+    assert share(plastic(0.25)) == share(plastic(0.6), plastic(0.25)) == 0.5
+    assert share(plastic(0.1)) == 1.0
+    assert share(plastic(0.6, coat=0.2)) == 1.0  # of the coat's own roughness
+    assert share(material("Hair", "ShaderNodeBsdfHairPrincipled")) == 1.0
+    textured = _plain("ShaderNodeBsdfPrincipled")
+    assert share(textured) == 1.0
+    assert share(textured, evaluated=np.log2(width_of(np.array([0.6, np.nan])))) == 0.25
 
 
 def test_the_points_of_a_texel_are_averaged(tmp_path: Path) -> None:

@@ -166,8 +166,9 @@ def test_a_surface_mirrors_a_sun_outdoors_only_where_its_light_falls() -> None:
     up = np.tile(np.array([0, 0, 1], np.float32), (5, 1))
     irradiance = np.array([2.4, 1.1, 0.0, 0.2, 0.0])[:, None] * np.ones(3) / np.pi
     colour = np.array([0.5, 0.5, 0.5, 0.5, 0.0])[:, None] * np.ones(3)
-    look = [np.zeros((5, 3)), up, np.full(5, 1e-3, np.float32)]
-    whole, seen = around.look(*look), around.look(*look, Lit.of(up, irradiance, colour))
+    here, wide = np.zeros((5, 3)), np.full(5, 1e-3, np.float32)
+    whole = around.look(here, up, wide)
+    seen = around.look(here, up, wide, Lit.of(up, irradiance, colour))
     assert whole.min() > 100
     np.testing.assert_allclose(seen / whole, np.array([[1, 0.5, 0, 0, 1]] * 3), atol=1e-3)
 

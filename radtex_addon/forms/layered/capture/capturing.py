@@ -41,14 +41,14 @@ from ..lookup.environment import Around, Shell
 from ..samples import ExitSamples, LayeredSamples, OwnRays
 from .enclosed import enclosed
 from .exits import capture_exits
-from .gloss_maps import capture_gloss, within_texels
+from .gloss_maps import capture_gloss, sharpest_width, within_texels
 from .lamps import find_lamps, refuse_negative_lamps
 from .light_map import capture_light_map
 from .material_maps import capture_maps, depends_on_angle
 from .misled_rays import find_misled
 from .opacity import find_opacity
 from .own_rays import SurfaceUV, capture_own_rays, own_aim, own_samples, sides_of
-from .panoramas import look_around
+from .panoramas import look_around, share_for
 from .room import Room, find_room
 from .source_rays import capture_source_rays
 from .stored_surroundings import around_of, arrays_of
@@ -166,8 +166,9 @@ class _Captures:
         through = lone is not None and lets_through(lone, light)
         if lone is not None:
             lone = replace(lone, plan=lit)  # all plans have the same texels, and each takes memory
+        evaluated = coarse_maps.get("width")
         found = yield from self._surrounded(
-            own, lit, plan(own_side(count)), (middle, radius), through, times, room
+            own, lit, plan(own_side(count)), (middle, radius), through, times, room, evaluated
         )
         own, around, exits, looked = found
         capture = opacity.bare(
@@ -208,15 +209,20 @@ class _Captures:
         through: bool,
         times: LayeredTimes,
         room: Room | None,
+        evaluated: Floats | None,
     ) -> Steps[tuple[OwnRays, Around, ExitSamples | None, int]]:
         """Own rays with the misled ones, what surrounds the objects, what leaves them, and its paths.
 
-        `reach`: their middle and radius; `through`: they let light through; the `room` that they stand in.
+        `reach`: their middle and radius; `through`: they let light through; the `room` that they stand in;
+        `evaluated`: a map of the widths² of what they mirror, as `capture_gloss` has them.
         """
+        share = self.surroundings
+        if room is not None and not through:  # of rough things, which take most of their time there
+            share *= share_for(sharpest_width(self.bodies, evaluated))
         bar = StageParts(Stage.SURROUNDINGS, times.around_clear if through else times.around)
         yield bar.at("pictures")
         with enclosed(self.scratch, self.bodies if through else ()) as inside:
-            around, looked = self._around(lit, *reach, inside, room)
+            around, looked = self._around(lit, *reach, inside, room, share)
             exits = None
             if through:
                 yield bar.at("exits")
@@ -340,8 +346,12 @@ class _Captures:
         radius: float,
         inside: tuple[Body, ...],
         room: Room | None,
+        share: float,
     ) -> tuple[Around, int]:
-        """What surrounds the objects, and those `inside` them, and how many paths that took."""
+        """What surrounds the objects, and those `inside` them, and how many paths that took.
+
+        In pictures whose size is a `share` of the usual.
+        """
         if self.known is not None:
             return self.known, 0
 
@@ -351,9 +361,7 @@ class _Captures:
             with scene_copied(self.scratch) as copy:
                 lamps = find_lamps(copy, baked, plan, middle, self.folder, room)
             with scene_copied(self.scratch) as copy:
-                seen = look_around(
-                    copy, unseen, middle, radius, self.folder, self.spec.seed, self.surroundings, room
-                )
+                seen = look_around(copy, unseen, middle, radius, self.folder, self.spec.seed, share, room)
             around = Around(middle, seen.world, seen.layers, lamps)
             return arrays_of(around) | {"paths": np.array([seen.paths], dtype=np.int64)}
 

@@ -36,6 +36,7 @@ _UNKNOWN = frozenset(  # they mirror, or may do so, by no roughness of GGX's
     {"SCRIPT", "BSDF_TOON", "BSDF_HAIR", "BSDF_HAIR_PRINCIPLED", "EEVEE_SPECULAR", "BSDF_RAY_PORTAL"}
 )
 _QUARTERS = tuple((x, y) for x in (-0.25, 0.25) for y in (-0.25, 0.25))  # four points tell a texel's mean
+_SHARPEST = 0.01  # quantile of widths that vary
 _DIELECTRIC = 0.04  # of a Principled shader's light, what it mirrors where it is no metal
 
 
@@ -74,6 +75,35 @@ def within_texels(
         yield plan.moved_to(moved_points(surface, triangle, plan.points, step))
 
 
+def sharpest_width(bodies: Sequence[Body], evaluated: Floats | None) -> float:
+    """The width² of the sharpest lobe by which bodies mirror, 0 where it is not known; infinite if none.
+
+    `evaluated` is what `capture_gloss` found, which tells of roughness that varies.
+    """
+    found = float("inf")
+    for material in _used(bodies):
+        for node in _shaders(material.node_tree, set()):
+            if node.type in _UNKNOWN:
+                return 0.0
+            if node.type in _MIRRORS:
+                found = min(found, _width(node.inputs["Roughness"], evaluated))
+            coat = node.inputs.get("Coat Weight")
+            if coat is not None and (coat.is_linked or coat.default_value > 0):
+                found = min(found, _width(node.inputs["Coat Roughness"], None))
+    return found
+
+
+def _used(bodies: Sequence[Body]) -> set[bpy.types.Material]:
+    return {material for body in bodies for material in body.mesh.materials if material is not None}
+
+
+def _width(roughness: Any, evaluated: Floats | None) -> float:
+    if not roughness.is_linked:
+        return float(width_of(np.array(roughness.default_value)))
+    known = None if evaluated is None else evaluated[np.isfinite(evaluated)]
+    return 0.0 if known is None or not len(known) else float(2.0 ** np.quantile(known, _SHARPEST))
+
+
 def capture_gloss(
     scene: bpy.types.Scene, bodies: Sequence[Body], plans: Iterable[CapturePlan], seed: int, folder: Path
 ) -> Floats | None:
@@ -83,7 +113,7 @@ def capture_gloss(
     mixed, and of the plans' points, it is the mean by their light, of the logarithm: the likeliest single
     lobe. Raises BakeError where Cycles fails.
     """
-    used = {material for body in bodies for material in body.mesh.materials if material is not None}
+    used = _used(bodies)
     if not any(map(may_vary, used)):
         return None
     with path_ends(scene, bodies, (), np.zeros(3, np.float32)) as ends:

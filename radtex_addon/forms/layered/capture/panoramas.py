@@ -45,6 +45,8 @@ _SOLID = 0.99  # alpha of a pixel that its layer covers
 _BORDER = 64  # pixels that are rendered around things: OpenImageDenoise dims or brightens narrow pictures
 _DARK = 2.0**-16  # OpenImageDenoise makes an eighth of that of black; half floats hold it roughly
 _ALL = slice(None)
+_FINE = 0.03  # radians: a lobe this wide still needs pictures of the usual size
+_COARSEST = 0.25  # share of the usual size
 _UP = np.array([0.0, 0.0, 1.0])
 _COME_AS_MESHES = frozenset({"CURVE", "SURFACE", "FONT", "META"})  # renders list their meshes, too
 NO_SURFACE = _COME_AS_MESHES | {"LIGHT", "LIGHT_PROBE", "CAMERA", "SPEAKER", "EMPTY", "ARMATURE", "LATTICE"}
@@ -178,6 +180,12 @@ class Panoramas:
     world: Pictures
     layers: tuple[SurroundingLayer, ...]
     paths: int
+
+
+def share_for(width: float) -> float:
+    """How wide pictures need to be for lobes of a width² or more, as a share of the usual: a power of 2."""
+    finer = math.log2(max(math.sqrt(min(width, 1.0)) / _FINE, 1.0))
+    return max(2.0 ** -math.floor(finer), _COARSEST)
 
 
 def look_around(

@@ -200,7 +200,8 @@ class _Met:
         about = axis[:, misled].T.astype(np.float32)
         variance = self._variance(texels, about)
         shown, known = light_of(around, offset, about, place, variance)
-        lamps, met = lamp_light(around, offset, about, place, variance)
+        lit = None if surface.lit is None else surface.lit.some(texels)
+        lamps, met = lamp_light(around, offset, about, place, variance, lit)
         traced = np.where(met, np.float32(np.nan), light[:, misled])  # lamps are added, without their noise
         light[:, misled] = np.where(known, shown, traced) + lamps
         return light

@@ -296,14 +296,14 @@ class Lit:
         """Of some of the places."""
         return Lit(self.normal[rows], self.light[rows])
 
-    def most(self, towards: Floats, irradiance: Floats) -> Floats:
-        """How much places see at most, (N,), of a lamp in unit directions (N, 3).
-
-        It sends a surface that faces it the `irradiance` (N,), in luminance.
-        """
-        facing = np.maximum((self.normal * towards).sum(axis=1), LEAST_FACING)
-        share = self.light / np.maximum(irradiance * facing, 1e-9)
-        found: Floats = np.clip((share - SHADED) / (1 - SHADED), 0, 1)
+    def most(self, lamp: Lamp, offset: Floats) -> Floats:
+        """How much of a lamp is seen at most from the places, at offsets (N, 3) from the middle: (N,)."""
+        towards = lamp.place - offset
+        squared = (towards * towards).sum(axis=1)
+        facing = (self.normal * towards).sum(axis=1) / np.sqrt(squared)
+        sent = float(LUMINANCE @ lamp.irradiance) * float(lamp.place @ lamp.place) / squared
+        share = self.light / np.maximum(sent * np.maximum(facing, LEAST_FACING), 1e-9)
+        found: Floats = np.clip((share - SHADED) / (1 - SHADED), 0, 1).astype(np.float32)
         return found
 
 
@@ -367,10 +367,7 @@ class Around:
         free = np.ones(len(offset), dtype=np.float32)
         for layer in self.layers:
             free *= 1 - layer.seen(offset, axis, wide.astype(np.float32))[3]
-        if lit is None:
-            return free
-        sent = float(LUMINANCE @ lamp.irradiance) * float(lamp.place @ lamp.place) / distance**2
-        return cast(Floats, (free * lit.most(axis, sent)).astype(np.float32))
+        return free if lit is None else free * lit.most(lamp, offset)
 
 
 def lamps_of(

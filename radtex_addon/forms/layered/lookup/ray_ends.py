@@ -12,7 +12,7 @@ from typing import cast
 import numpy as np
 
 from ....core.arrays import Bools, Floats
-from .environment import Around
+from .environment import Around, Lit
 
 SAME = 0.12  # of a ray's length: ends that are closer to each other are one place
 _SHARP = 1e-9  # a width² that is none
@@ -61,16 +61,25 @@ def light_of(
 
 
 def lamp_light(
-    around: Around, offset: Floats, axis: Floats, place: Floats, variance: Floats
+    around: Around,
+    offset: Floats,
+    axis: Floats,
+    place: Floats,
+    variance: Floats,
+    lit: Lit | None = None,
 ) -> tuple[Floats, Bools]:
-    """The light (3, N) of lamps before the places (N, 3) where rays end, and which rays meet one (N,)."""
+    """The light (3, N) of lamps before the places (N, 3) where rays end, and which rays meet one (N,).
+
+    `lit` as for `Around.look`.
+    """
     light, met = np.zeros((3, len(axis)), dtype=np.float32), np.zeros(len(axis), dtype=bool)
     length = np.linalg.norm(place - offset, axis=1)
     for lamp in around.lamps:
         towards = lamp.place - offset
         distance = np.linalg.norm(towards, axis=1)
         before = ~(length < distance)  # the world's is NaN
-        light += np.where(before, lamp.light(offset, axis, variance), 0)
+        seen = 1.0 if lit is None or not lamp.behind else lit.most(lamp, offset)
+        light += np.where(before, lamp.light(offset, axis, variance) * seen, 0)
         squared = 2 * (1 - (axis * towards).sum(axis=1) / distance)
         nearer = float((lamp.place**2).sum()) / distance**2
         met |= before & (squared < _CORNER * lamp.variance * nearer)
