@@ -42,6 +42,7 @@ from ..scene.mesh.named_regions import chosen_triangles
 from ..scene.mesh.painted_weights import painted_triangles, unpainted_warning
 from ..scene.mesh.source_hits import SourceHits
 from ..scene.units import metres_per_unit
+from ..settings.choices import Backs
 from ..settings.rays import PROBE_CELLS, side_in
 from ..settings.spec import BakeSpec
 from ..settings.texel_density import capped_warning
@@ -245,6 +246,14 @@ def _own_offset(piece: BakedCopy) -> float:
     return ray_offset(place.reshape(-1, 3).astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3])
 
 
+def _cameras(scene: bpy.types.Scene, spec: BakeSpec) -> Floats | None:
+    """Where the scene's cameras stand, (C, 3); None where all sides of everything count."""
+    if spec.backs is Backs.ALL:
+        return None
+    places = [item.matrix_world.translation for item in scene.objects if item.type == "CAMERA"]
+    return np.array(places, dtype=np.float64).reshape(-1, 3)
+
+
 def prepare(
     scratch: bpy.types.Scene,
     originals: Sequence[bpy.types.Object],
@@ -296,7 +305,7 @@ def prepare(
     yield Progress(Stage.UNWRAP, 0, 1)
     with told:
         unwrapped = yield from unwrap_surfaces(
-            shapes, spec, metres, store, {} if unwraps is None else unwraps
+            shapes, spec, metres, store, {} if unwraps is None else unwraps, _cameras(scratch, spec)
         )
     yield Progress(Stage.RASTER, 0, 1)
     prepared = yield from _joined(

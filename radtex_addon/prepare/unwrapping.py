@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import logging
 from collections.abc import Generator, Sequence
 from dataclasses import dataclass
@@ -25,7 +26,7 @@ from ..scene.mesh.evaluated import EvaluatedMesh, evaluate
 from ..scene.mesh.joined import side_by_side
 from ..scene.mesh.mesh_parts import Parts, in_first_tile, parts_of, taken
 from ..scene.mesh.painted_weights import UNPAINTED, painted_triangles
-from ..scene.mesh.seen_faces import seen_faces
+from ..scene.mesh.seen_faces import faces_inside, seen_faces
 from ..scene.scratch import at_frame
 from ..scene.uv.artist_islands import ArtistIslands
 from ..scene.uv.unwrap import unwrap_steps
@@ -80,11 +81,17 @@ class Unwrapped:
 
 
 def unwrap_surfaces(
-    meshes: Sequence[EvaluatedMesh], spec: BakeSpec, metres: float, store: PieceStore, known: Unwraps
+    meshes: Sequence[EvaluatedMesh],
+    spec: BakeSpec,
+    metres: float,
+    store: PieceStore,
+    known: Unwraps,
+    cameras: Floats | None = None,
 ) -> Generator[Progress, None, Unwrapped]:
     """Unwrap the meshes, or use the UV layer that the specification names, or one of theirs that is fit.
 
-    A scene unit is so many `metres`.
+    A scene unit is so many `metres`. Where all `cameras` (C, 3) are inside what is baked, its outside gets
+    few texels.
 
     An unwrap is kept in the `store` and in the cache `known`. Yields progress. Raises InputError for a layer
     that cannot be used, and for meshes that cannot be unwrapped.
@@ -101,10 +108,20 @@ def unwrap_surfaces(
         digests = [text for mesh in meshes for text in (str(mesh_digest(mesh)), matrix_digest(mesh))]
         options = unwrap_options(spec, metres)
         size = spec.texels if spec.density is None else f"{options.density} {options.most}"
-        key = "\n".join((f"{size} {spec.unwrap} {spec.padding} {spec.split}", *digests))
+        inside = None
+        if cameras is not None and _weighs(spec.unwrap, options):
+            inside = yield from relayed(faces_inside(meshes, cameras), lambda _: unwrap_progress(0))
+            if inside is not None:
+                log.info(
+                    "the outside of '%s' gets few texels, as all cameras are inside: add one outside, or use "
+                    "--backs all, if it is to be seen",
+                    "', '".join(mesh.name for mesh in meshes),
+                )
+        seen = "" if inside is None else hashlib.sha256(np.packbits(inside).tobytes()).hexdigest()
+        key = "\n".join((f"{size} {spec.unwrap} {spec.padding} {spec.split} {seen}", *digests))
         piece = _known(known, key)
         if piece is None:
-            piece = known[key] = yield from _anew(meshes, parts, spec, options)
+            piece = known[key] = yield from _anew(meshes, parts, spec, options, inside)
         store.keep(_UNWRAP, piece)
     ends = np.cumsum([len(mesh.triangles) for mesh in meshes])
     sizes = piece["sizes"].tolist()
@@ -255,15 +272,17 @@ def _anew(
     parts: dict[str, tuple[Bools, ...]],
     spec: BakeSpec,
     options: UnwrapOptions,
+    inside: Bools | None,
 ) -> Generator[Progress, None, Arrays]:
     """Unwrap every part by itself: `uv` (F, 3, 2) of all meshes' triangles, `sizes` (P, 4) of the atlases.
 
-    The columns of `sizes` are `AtlasPart`'s width, height, islands and needed. Yields progress.
+    The columns of `sizes` are `AtlasPart`'s width, height, islands and needed. `inside` is as for `_seen`.
+    Yields progress.
     """
     every = np.concatenate([np.stack(faces_of_mesh) for faces_of_mesh in _by_mesh(parts)], axis=1)
     uv = np.zeros((every.shape[1], 3, 2), dtype=np.float32)  # as meshes store it
     sizes = []
-    seen = yield from _seen(meshes, spec.unwrap, options)
+    seen = yield from _seen(meshes, spec.unwrap, options, inside)
     for faces, some in zip(parts.values(), every, strict=True):
         those = [
             mesh if one.all() else taken(mesh, one)
@@ -284,15 +303,21 @@ def unwrap_mesh(
     return (yield from _unwrap_together([mesh], seen, texels, method, options))
 
 
+def _weighs(method: Unwrap, options: UnwrapOptions) -> bool:
+    """Whether what is not seen gets few texels; not where a density is asked for."""
+    return method is Unwrap.AUTO and options.density is None
+
+
 def _seen(
-    meshes: Sequence[EvaluatedMesh], method: Unwrap, options: UnwrapOptions
+    meshes: Sequence[EvaluatedMesh], method: Unwrap, options: UnwrapOptions, inside: Bools | None = None
 ) -> Generator[Progress, None, Bools]:
     """Which triangles (F,) of the meshes get all of their texels; all do where a density is asked for.
 
-    Those for which more is painted count as seen.
+    Those for which more is painted count as seen; of others only those `inside` (F,), if that is given.
     """
-    if method is Unwrap.AUTO and options.density is None:
+    if _weighs(method, options):
         seen = yield from relayed(seen_faces(meshes, options.room), lambda _: unwrap_progress(0))
+        seen = seen if inside is None else seen & inside
         painted = painted_triangles(meshes)
         return seen if painted is None else seen | (painted > UNPAINTED)
     return np.ones(sum(len(mesh.triangles) for mesh in meshes), dtype=bool)

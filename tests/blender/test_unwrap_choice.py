@@ -231,3 +231,59 @@ def test_flat_things_get_fewer_texels_than_curved_ones() -> None:
         meshes, made = unwrapped(*both, density=density)
         flat, curved = (share_of(mesh, uv) for mesh, uv in zip(meshes, made.uvs, strict=True))
         assert least * curved < flat < most * curved
+
+
+def walls(opening: bool = False) -> list[Any]:
+    """A room of 4 x 4 x 2.4 metres, of slabs with a thickness; one may be missing."""
+    made = []
+    for axis in range(3):
+        for sign in (-1, 1):
+            if opening and (axis, sign) == (0, 1):
+                continue
+            size, place = np.array([4.4, 4.4, 2.8]), np.zeros(3)
+            size[axis], place[axis] = 0.2, sign * (1.3 if axis == 2 else 2.1)
+            bpy.ops.mesh.primitive_cube_add(size=1, location=place.tolist())
+            context.object.scale = size
+            bpy.ops.object.transform_apply(location=False, rotation=False)
+            made.append(context.object)
+    return made
+
+
+def outer_share(meshes: list[EvaluatedMesh], found: Unwrapped) -> float:
+    """Texels for the same area of outsides as of insides."""
+    shares = []
+    for outside in (True, False):
+        area = covered = 0.0
+        for mesh, uv in zip(meshes, found.uvs, strict=True):
+            corners = mesh.world_position[mesh.triangles]
+            normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+            middle = corners.mean(axis=1)
+            away = (normal * middle).sum(axis=1) * (surface_areas(corners) > 4)  # of large faces alone
+            some = away > 0 if outside else away < 0
+            area += float(surface_areas(corners[some]).sum())
+            covered += float(np.abs(signed_areas(uv[some].astype(np.float64))).sum())
+        shares.append(covered / area)
+    return shares[0] / shares[1]
+
+
+@pytest.mark.parametrize(
+    ("cameras", "opening", "share"),
+    [
+        ([(0, 0, 0), (1.5, -1, 0.4)], False, 1 / 16),
+        ([(0, 0, 0)], True, 1 / 16),  # a room that is open on one side
+        ([(0, 0, 0), (9, 2, 1)], False, 1),  # somebody looks from outside
+        ([], False, 1),
+    ],
+)
+def test_the_outside_of_a_room_whose_cameras_are_all_inside_has_few_texels(
+    cameras: list[tuple[float, float, float]], opening: bool, share: float
+) -> None:
+    meshes, places = [read(item) for item in walls(opening)], np.array(cameras, dtype=float).reshape(-1, 3)
+    steps = unwrap_surfaces(meshes, BakeSpec(texels=128), 1.0, NO_STORE, {}, places)
+    assert outer_share(meshes, finished(steps)) == pytest.approx(share, rel=0.25)
+
+
+def test_a_density_is_the_same_inside_and_outside() -> None:
+    meshes = [read(item) for item in walls()]
+    steps = unwrap_surfaces(meshes, BakeSpec(density=10.0), 1.0, NO_STORE, {}, np.zeros((1, 3)))
+    assert outer_share(meshes, finished(steps)) == pytest.approx(1, rel=0.25)

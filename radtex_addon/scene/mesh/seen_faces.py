@@ -1,20 +1,33 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Find out which faces can be seen from where a camera can be; the others need few texels."""
+"""Find out which faces can be seen from where a camera can be; the others need few texels.
+
+A camera can be wherever there is room; but where all cameras of a scene stand inside what is baked, as in a
+room with walls of some thickness, it is taken that nobody sees that from outside.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
+from mathutils import Vector
 
 from ...bake.progress import Steps
 from ...core.arrays import Bools, Floats, Ints
 from ...core.islands import areas_on_surface, weld
+from ...core.octahedron import cell_directions
 from ...core.surface import inner_edges
 from ..checks.see_through import is_see_through
 from .evaluated import EvaluatedMesh
-from .face_rays import leaving_rays, rays_per_triangle, small_regions, spread_to_neighbours
+from .face_rays import (
+    leaving_rays,
+    rays_per_triangle,
+    seen_from_points,
+    small_regions,
+    spread_to_neighbours,
+)
 from .triangle_tree import triangle_tree
 
 _FIRST = 4_000  # rays from all over the surface: if nearly all leave, no face is hidden
@@ -22,6 +35,10 @@ _OPEN = 0.98  # of those
 _RAYS = 200_000  # about so many in total, in proportion to area
 _LEAST, _MOST = 4, 256  # rays per triangle; in large meshes the least is lower
 _SEEN = 0.005  # share of the rays that leave the meshes around a triangle, from which on it is seen
+_LOOKS = 16  # cells along a side of the octahedron: the directions in which cameras look around
+_ENCLOSED = 0.6  # share of them in which a camera inside sees what is baked
+_WAYS = (0.25, 0.5, 0.75)  # of the way to that: where else inside a camera can be
+_EYES = 200  # such places that are taken
 _CRUMB = 0.002  # times the whole area: hidden regions that are smaller keep their texels
 
 
@@ -52,6 +69,39 @@ def seen_faces(meshes: Sequence[EvaluatedMesh], room: float) -> Steps[Bools]:
     hidden &= ~small_regions(hidden, first, second, area, np.full(len(area), _CRUMB * area.sum()))
     found: Bools = ~hidden
     return found
+
+
+def faces_inside(meshes: Sequence[EvaluatedMesh], cameras: Floats) -> Steps[Bools | None]:
+    """Which triangles are seen from inside, (F,), if all `cameras` (C, 3) are inside the meshes; else None.
+
+    From the cameras, and from where else they see that one can be. Yields progress.
+    """
+    position, triangles, opaque = _in_world(meshes)
+    area = areas_on_surface(position, triangles)
+    if not (len(cameras) and opaque.any() and area.sum() > 0):
+        return None
+    tree = triangle_tree(position, triangles[opaque])
+    cast: Any = tree.ray_cast
+    ways = cell_directions(_LOOKS).reshape(-1, 3).astype(np.float64)
+    inside = [cameras]
+    for place in cameras:
+        start = Vector(place.tolist())
+        far = np.array([cast(start, Vector(way))[3] or np.inf for way in ways.tolist()])
+        met = np.isfinite(far)
+        if met.mean() < _ENCLOSED:
+            return None
+        inside += [place + part * far[met, None] * ways[met] for part in _WAYS]
+    points = np.concatenate(inside)
+    points = points[np.random.default_rng(0).permutation(len(points))[:_EYES]]
+    rays = rays_per_triangle(area, _RAYS, _LEAST, _MOST)
+    face = np.repeat(np.arange(len(rays)), rays)
+    seen = yield from seen_from_points(position, triangles, tree, face, points)
+    share = np.bincount(face, seen.astype(np.float64), len(rays)) / rays
+    first, second = inner_edges(weld(position)[triangles]).starts.T // 3
+    outside = share < _SEEN
+    outside &= ~small_regions(outside, first, second, area, np.full(len(area), _CRUMB * area.sum()))
+    found: Bools = ~outside
+    return found if outside.any() else None
 
 
 def _in_world(meshes: Sequence[EvaluatedMesh]) -> tuple[Floats, Ints, Bools]:
