@@ -75,12 +75,18 @@ def lit_from_inside(room: LayeredAtlas) -> LayeredAtlas:
     return replace(room, around=replace(room.around, lamps=lamps))
 
 
+def unfurnished(room: LayeredAtlas) -> LayeredAtlas:
+    """Walls, and a sun behind them."""
+    return replace(room, around=replace(room.around, layers=room.around.layers[:1]))
+
+
 GROUPS: dict[str, Callable[[LayeredAtlas], LayeredAtlas]] = {
     "plain": lambda atlas: atlas,
     "bare": bare_group,
     "room": lambda atlas: (
         in_a_room(atlas) if bpy.app.version >= (5, 0) else lit_from_inside(in_a_room(atlas))
     ),
+    "walls": lambda atlas: unfurnished(in_a_room(atlas)),
     "all": lambda atlas: clear_group(with_maps(atlas)) if SHOWS_THROUGH else with_maps(atlas),
 }
 
