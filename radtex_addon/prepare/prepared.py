@@ -31,6 +31,7 @@ from ..core.uv_map import UvMap
 from ..cycles.find_hidden import find_hidden
 from ..formats import sidecar
 from ..formats.fingerprint import Fingerprint
+from ..scene.camera_place import camera_points
 from ..scene.digests import scene_digests
 from ..scene.geometry_digests import matrix_digest, mesh_digest
 from ..scene.mesh.copy import baked_mesh_steps, surface_mesh
@@ -246,14 +247,6 @@ def _own_offset(piece: BakedCopy) -> float:
     return ray_offset(place.reshape(-1, 3).astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3])
 
 
-def _cameras(scene: bpy.types.Scene, spec: BakeSpec) -> Floats | None:
-    """Where the scene's cameras stand, (C, 3); None where all sides of everything count."""
-    if spec.backs is Backs.ALL:
-        return None
-    places = [item.matrix_world.translation for item in scene.objects if item.type == "CAMERA"]
-    return np.array(places, dtype=np.float64).reshape(-1, 3)
-
-
 def prepare(
     scratch: bpy.types.Scene,
     originals: Sequence[bpy.types.Object],
@@ -303,9 +296,10 @@ def prepare(
         shapes, evaluated = all_with_twins(shapes, doubled), all_with_twins(evaluated, doubled)
         chosen = chosen_with_twins(chosen, doubled)
     yield Progress(Stage.UNWRAP, 0, 1)
+    cameras = None if spec.backs is Backs.ALL else camera_points(scratch)
     with told:
         unwrapped = yield from unwrap_surfaces(
-            shapes, spec, metres, store, {} if unwraps is None else unwraps, _cameras(scratch, spec)
+            shapes, spec, metres, store, {} if unwraps is None else unwraps, cameras
         )
     yield Progress(Stage.RASTER, 0, 1)
     prepared = yield from _joined(

@@ -18,6 +18,7 @@ from ..bake.progress import Progress, relayed
 from ..core.arrays import Bools, Floats
 from ..core.errors import InputError
 from ..core.islands import signed_areas, surface_areas, uv_islands, weld
+from ..core.messages import Message, Remedy, Setting, do
 from ..core.near_digest import is_same
 from ..scene.geometry_digests import matrix_digest, mesh_digest
 from ..scene.mesh.backs import with_twins_moved
@@ -33,6 +34,7 @@ from ..scene.uv.unwrap import unwrap_steps
 from ..scene.uv.unwrap_options import AtlasUnwrap, UnwrapOptions
 from ..scene.uv.uv_layer import check_apart, user_uv, why_unfit
 from ..scene.uv.uvunwrap_job import unwrap_progress
+from ..settings.choices import Backs
 from ..settings.parts import Split
 from ..settings.spec import BakeSpec, Unwrap
 from ..settings.texel_density import side_for
@@ -112,11 +114,7 @@ def unwrap_surfaces(
         if cameras is not None and _weighs(spec.unwrap, options):
             inside = yield from relayed(faces_inside(meshes, cameras), lambda _: unwrap_progress(0))
             if inside is not None:
-                log.info(
-                    "the outside of '%s' gets few texels, as all cameras are inside: add one outside, or use "
-                    "--backs all, if it is to be seen",
-                    "', '".join(mesh.name for mesh in meshes),
-                )
+                log.warning(_few_outside(meshes, inside))
         seen = "" if inside is None else hashlib.sha256(np.packbits(inside).tobytes()).hexdigest()
         key = "\n".join((f"{size} {spec.unwrap} {spec.padding} {spec.split} {seen}", *digests))
         piece = _known(known, key)
@@ -301,6 +299,20 @@ def unwrap_mesh(
     """Unwrap one mesh, with its twins, as `unwrap_surfaces` does where no layer of its own fits as it is."""
     seen = yield from _seen([mesh], method, options)
     return (yield from _unwrap_together([mesh], seen, texels, method, options))
+
+
+def _few_outside(meshes: Sequence[EvaluatedMesh], inside: Bools) -> Message:
+    """The line about triangles that are not `inside` (F,)."""
+    ends = np.cumsum([len(mesh.triangles) for mesh in meshes])
+    names = [
+        f"'{mesh.name}'"
+        for mesh, faces in zip(meshes, np.split(inside, ends[:-1]), strict=True)
+        if not faces.all()
+    ]
+    return Message(
+        f"all cameras are inside: what cannot be seen from there of {', '.join(names)} gets few texels",
+        (do("give all sides as many", Setting.BACKS, value=Backs.ALL), Remedy("add a camera outside")),
+    )
 
 
 def _weighs(method: Unwrap, options: UnwrapOptions) -> bool:

@@ -253,7 +253,7 @@ READERS: dict[str, str] = {
     "scene/mesh/evaluated": "reads the render's depsgraph",
     "scene/mesh/about_area": "an estimate, of the viewport",
     "scene/block_digests": "where an object is that texture coordinates refer to",
-    "scene/camera_place": "the scene's camera, which every depsgraph evaluates",
+    "scene/camera_place": "the scene's cameras, which every depsgraph evaluates",
     "report/viewpoint": "the scene's camera, which every depsgraph evaluates",
 }
 _SCENES = {"scene", "scratch", "copy", "bare"}
