@@ -124,7 +124,7 @@ class PortalCapture:
         self._file = folder / "tile.exr"
         apply_capture_settings(scene, samples, seed, first)
         if aim is not None:
-            if aim.starts is None:
+            if aim.parts == 1:
                 look_at_centres(scene)
             keep_passes(scene, aim.passes)
         size = (plan.columns * plan.layout.bucket, plan.sheet_rows * plan.layout.bucket)

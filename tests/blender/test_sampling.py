@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import bpy
 import numpy as np
@@ -19,9 +19,11 @@ from radtex_addon.bake.progress import finished
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.frame import normalised
 from radtex_addon.cycles.path_ends import Body, PathEnds, path_ends
-from radtex_addon.cycles.sampling import capture_ends, capture_samples
+from radtex_addon.cycles.portal import Aim, PortalCapture
+from radtex_addon.cycles.sampling import DIFFUSE, capture_ends, capture_samples, straight_shifts
 from radtex_addon.scene.mesh.render_contents import read_beside
 from radtex_addon.scene.scratch import scratch_scene
+from radtex_addon.settings.kinds import Kind
 from tests.blender import stage
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
@@ -266,3 +268,16 @@ def test_the_object_stays_where_it_renders(trouble: str, tmp_path: Path) -> None
     found = ends_of(baked, tmp_path, plan)
     weight = np.broadcast_to(TINT[:3], (6, 16, 3))
     np.testing.assert_allclose(found.mirrored_weight.astype(float), weight, rtol=2e-3)
+
+
+@pytest.mark.parametrize(("count", "width"), [(1, 0.01), (16, 1.0)])
+def test_a_ray_from_a_known_start_goes_through_its_pixel_s_middle(
+    count: int, width: float, tmp_path: Path
+) -> None:
+    """Of several starts each has a part of the pixel; of one, another place in it is another direction."""
+    card()
+    plan = stage.plan_of(np.zeros((4, 3)), np.tile([0.0, 0, 1], (4, 1)), 1)
+    with scratch() as scene:
+        aim = Aim(straight_shifts(4), DIFFUSE, np.repeat(plan.points[:, None], count, axis=1))
+        PortalCapture(scene, plan, Kind.RADIANCE, 1, 1, tmp_path, aim)
+        assert cast(Any, scene).cycles.filter_width == pytest.approx(width)

@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from functools import partial
+from math import isqrt
 from pathlib import Path
 from typing import Any
 
@@ -98,9 +99,11 @@ def _traced(
     points = _on_this_side(scratch, plan, points, wanted > 0)
     found = np.full((2, len(wanted), 3), np.nan, dtype=np.float32)
     done, total = 0, int(wanted.sum())
+    sheet = max(1, plan.sheet // isqrt(points.shape[1]))  # its image of starts is as large as other sheets
+    single = replace(plan, layout=replace(plan.layout, bucket=1), sheet=sheet)
     for number in np.unique(wanted[wanted > 0]).tolist():
         texels = np.flatnonzero(wanted == number)
-        some = plan_of_picked(replace(plan, layout=replace(plan.layout, bucket=1)), texels)
+        some = plan_of_picked(single, texels)
         samples = number // 2
         with scene_copied(scratch) as copy:
             aim = Aim(straight_shifts(len(texels)), DIFFUSE, points[texels])
