@@ -3,7 +3,7 @@
 """The atlases of a whole scene: which objects share one, what it is called, and how many texels it has.
 
 Either all atlases have a texel density, or the scene has as many texels as its objects would have by
-themselves, eight at most. Of these small things get more per area than large ones, and glossy ones more
+themselves, a dozen at most. Of these small things get more per area than large ones, and glossy ones more
 than matt ones.
 """
 
@@ -49,7 +49,7 @@ from .assets import (
 )
 from .bake_request import BakeRequest
 
-_OBJECTS = 8  # the most whose texels a scene has, where each would have had an atlas
+_OBJECTS = 12  # the most whose texels a scene has, where each would have had an atlas
 _STEP = 16  # texels: sides are multiples of it
 _ISLANDS, _ISLAND = 6, 5  # islands of an object in a new unwrap, and texels along the side of a small one
 _BY_AREA = 0.5  # power of the area by which texels grow: what is 16 times as large has 4 times as many

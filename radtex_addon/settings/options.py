@@ -229,8 +229,8 @@ OBJECTS = Section(Fold.SURFACE, (
          "into few atlases. Floors, walls and what lies flat on them share NAME_shell, NAME being the "
          "scene's; things that stand near each other share others, of up to "
          f"{MOST_SHARED} texels a side. With --density all have that. Else --texels is an object's share: "
-         "of up to eight objects all atlases together have as many texels as they would have had, of more "
-         "as many as eight; small and glossy things get more per area"),
+         "of up to a dozen objects all atlases together have as many texels as they would have had, of more "
+         "as many as a dozen; small and glossy things get more per area"),
     _row("one_atlas", panel_name="together", title="Together", items=TOGETHER, panel_default="auto",
          tooltip="Which of the chosen objects share a texture"),
     _row("together", flag="--together", metavar="NAME|auto", panel_name="atlas_name", title="Name",
