@@ -287,3 +287,24 @@ def test_a_density_is_the_same_inside_and_outside() -> None:
     meshes = [read(item) for item in walls()]
     steps = unwrap_surfaces(meshes, BakeSpec(density=10.0), 1.0, NO_STORE, {}, np.zeros((1, 3)))
     assert outer_share(meshes, finished(steps)) == pytest.approx(1, rel=0.25)
+
+
+def test_a_second_room_behind_a_door_counts_as_inside() -> None:
+    """The camera stands beside the door's wall, and sees nothing of the other room's near corners."""
+    items = walls()
+    for size, place in (((0.1, 2.4, 2.4), (0, -0.8, 0)), ((0.1, 0.8, 2.4), (0, 1.6, 0))):
+        bpy.ops.mesh.primitive_cube_add(size=1, location=place)
+        context.object.scale = size
+        bpy.ops.object.transform_apply(location=False, rotation=False)
+        items.append(context.object)
+    meshes = [read(item) for item in items]
+    steps = unwrap_surfaces(meshes, BakeSpec(texels=128), 1.0, NO_STORE, {}, np.array([[1.9, -1.9, 0.0]]))
+    made = finished(steps)
+    partition, uv = meshes[6], made.uvs[6]
+    corners = partition.world_position[partition.triangles]
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 0]
+    here, there = (
+        np.abs(signed_areas(uv[side].astype(np.float64))).sum() for side in (normal > 1, normal < -1)
+    )
+    assert there == pytest.approx(here, rel=0.1)
+    assert outer_share(meshes, made) < 0.1

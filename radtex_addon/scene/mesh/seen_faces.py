@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 from mathutils import Vector
+from mathutils.bvhtree import BVHTree
 
 from ...bake.progress import Steps
 from ...core.arrays import Bools, Floats, Ints
@@ -38,7 +39,10 @@ _SEEN = 0.005  # share of the rays that leave the meshes around a triangle, from
 _LOOKS = 16  # cells along a side of the octahedron: the directions in which cameras look around
 _ENCLOSED = 0.6  # share of them in which a camera inside sees what is baked
 _WAYS = (0.25, 0.5, 0.75)  # of the way to that: where else inside a camera can be
-_EYES = 200  # such places that are taken
+_ROOMS = 5  # how often a camera may go on from there, as through doors …
+_FROM = 100  # … from so many places …
+_STEPS = 24  # … of which there is one at most in each cell of so many along the longest side
+_EYES = 400  # such places that are taken
 _CRUMB = 0.002  # times the whole area: hidden regions that are smaller keep their texels
 
 
@@ -74,25 +78,24 @@ def seen_faces(meshes: Sequence[EvaluatedMesh], room: float) -> Steps[Bools]:
 def faces_inside(meshes: Sequence[EvaluatedMesh], cameras: Floats) -> Steps[Bools | None]:
     """Which triangles are seen from inside, (F,), if all `cameras` (C, 3) are inside the meshes; else None.
 
-    From the cameras, and from where else they see that one can be. Yields progress.
+    From the cameras, and from where one can get to in straight lines, which lead to the meshes. Yields
+    progress.
     """
     position, triangles, opaque = _in_world(meshes)
     area = areas_on_surface(position, triangles)
     if not (len(cameras) and opaque.any() and area.sum() > 0):
         return None
     tree = triangle_tree(position, triangles[opaque])
-    cast: Any = tree.ray_cast
-    ways = cell_directions(_LOOKS).reshape(-1, 3).astype(np.float64)
-    inside = [cameras]
-    for place in cameras:
-        start = Vector(place.tolist())
-        far = np.array([cast(start, Vector(way))[3] or np.inf for way in ways.tolist()])
-        met = np.isfinite(far)
-        if met.mean() < _ENCLOSED:
-            return None
-        inside += [place + part * far[met, None] * ways[met] for part in _WAYS]
-    points = np.concatenate(inside)
-    points = points[np.random.default_rng(0).permutation(len(points))[:_EYES]]
+    if any(_ways_inside(tree, place)[1] < _ENCLOSED for place in cameras):
+        return None
+    random, points = np.random.default_rng(0), cameras
+    step = float(np.ptp(position, axis=0).max()) / _STEPS
+    for _ in range(_ROOMS):  # through doors, too
+        some = random.permutation(len(points))[:_FROM]
+        points = np.concatenate([points, *(_ways_inside(tree, place)[0] for place in points[some])])
+        _, first = np.unique(np.floor(points / step), axis=0, return_index=True)
+        points = points[first]  # everywhere as dense
+    points = np.concatenate([cameras, points[random.permutation(len(points))[:_EYES]]])
     rays = rays_per_triangle(area, _RAYS, _LEAST, _MOST)
     face = np.repeat(np.arange(len(rays)), rays)
     seen = yield from seen_from_points(position, triangles, tree, face, points)
@@ -102,6 +105,17 @@ def faces_inside(meshes: Sequence[EvaluatedMesh], cameras: Floats) -> Steps[Bool
     outside &= ~small_regions(outside, first, second, area, np.full(len(area), _CRUMB * area.sum()))
     found: Bools = ~outside
     return found if outside.any() else None
+
+
+def _ways_inside(tree: BVHTree, place: Floats) -> tuple[Floats, float]:
+    """Places (P, 3) on the ways from a place (3,) to what it sees all around, and the share that it sees."""
+    cast: Any = tree.ray_cast
+    ways = cell_directions(_LOOKS).astype(np.float64)
+    start = Vector(place.tolist())
+    far = np.array([cast(start, Vector(way))[3] or np.inf for way in ways.tolist()])
+    met = np.isfinite(far)
+    along = [place + part * far[met, None] * ways[met] for part in _WAYS]
+    return np.concatenate(along), float(met.mean())
 
 
 def _in_world(meshes: Sequence[EvaluatedMesh]) -> tuple[Floats, Ints, Bools]:
