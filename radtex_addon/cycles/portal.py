@@ -301,15 +301,15 @@ def _texel_and_cell(
     texel = build.vector("MAXIMUM", texel, (0.0, 0.0, 0.0))
     texel = build.vector("MINIMUM", texel, (size[0] - 1, size[1] - 1, 0.0))
     bucket = build.vector("SUBTRACT", place, texel)
-    height = (size[0], float(rows), 1.0)
+    whole = (size[0], float(rows), 1.0)
     middle = build.vector("ADD", texel, build.combine(0.5, build.value(0.5, FIRST_ROW)))
-    lookup = build.vector("DIVIDE", middle, height)
+    lookup = build.vector("DIVIDE", middle, whole)
     if parts == 1:
         return bucket, lookup, lookup
     part = build.vector("FLOOR", build.vector("SCALE", bucket, float(parts)))
     part = build.vector("MINIMUM", part, (parts - 1.0, parts - 1.0, 0.0))
     step = build.vector("MULTIPLY_ADD", part, (1 / parts, 1 / parts, 0.0), (0.5 / parts - 0.5,) * 3)
-    return bucket, lookup, build.vector("DIVIDE", build.vector("ADD", middle, step), height)
+    return bucket, lookup, build.vector("DIVIDE", build.vector("ADD", middle, step), whole)
 
 
 def _local_direction(build: NodeBuilder, bucket: Socket, kind: Kind) -> tuple[Socket, Socket, Socket]:

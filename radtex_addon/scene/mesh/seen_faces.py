@@ -9,10 +9,8 @@ room with walls of some thickness, it is taken that nobody sees that from outsid
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
-from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
 from ...bake.progress import Steps
@@ -29,7 +27,7 @@ from .face_rays import (
     small_regions,
     spread_to_neighbours,
 )
-from .triangle_tree import triangle_tree
+from .triangle_tree import distances_from, triangle_tree
 
 _FIRST = 4_000  # rays from all over the surface: if nearly all leave, no face is hidden
 _OPEN = 0.98  # of those
@@ -69,10 +67,7 @@ def seen_faces(meshes: Sequence[EvaluatedMesh], room: float) -> Steps[Bools]:
     free = yield from leaving_rays(position, triangles, tree, face, 1, far=room)
     share = np.bincount(face, free.astype(np.float64), len(rays)) / rays
     first, second = inner_edges(weld(position)[triangles]).starts.T // 3
-    hidden = spread_to_neighbours(share, first, second) < _SEEN
-    hidden &= ~small_regions(hidden, first, second, area, np.full(len(area), _CRUMB * area.sum()))
-    found: Bools = ~hidden
-    return found
+    return _seen_enough(spread_to_neighbours(share, first, second), first, second, area)
 
 
 def faces_inside(meshes: Sequence[EvaluatedMesh], cameras: Floats) -> Steps[Bools | None]:
@@ -85,6 +80,8 @@ def faces_inside(meshes: Sequence[EvaluatedMesh], cameras: Floats) -> Steps[Bool
     area = areas_on_surface(position, triangles)
     if not (len(cameras) and opaque.any() and area.sum() > 0):
         return None
+    if ((cameras < position.min(axis=0)) | (cameras > position.max(axis=0))).any():
+        return None  # outside a box around it, no more than half of all directions meet what is in it
     tree = triangle_tree(position, triangles[opaque])
     if any(_ways_inside(tree, place)[1] < _ENCLOSED for place in cameras):
         return None
@@ -101,18 +98,22 @@ def faces_inside(meshes: Sequence[EvaluatedMesh], cameras: Floats) -> Steps[Bool
     seen = yield from seen_from_points(position, triangles, tree, face, points)
     share = np.bincount(face, seen.astype(np.float64), len(rays)) / rays
     first, second = inner_edges(weld(position)[triangles]).starts.T // 3
-    outside = share < _SEEN
-    outside &= ~small_regions(outside, first, second, area, np.full(len(area), _CRUMB * area.sum()))
-    found: Bools = ~outside
-    return found if outside.any() else None
+    found = _seen_enough(share, first, second, area)
+    return None if found.all() else found
+
+
+def _seen_enough(share: Floats, first: Ints, second: Ints, area: Floats) -> Bools:
+    """Which triangles are seen by a large enough share of their rays, or hidden in small regions, (F,)."""
+    hidden = share < _SEEN
+    hidden &= ~small_regions(hidden, first, second, area, np.full(len(area), _CRUMB * area.sum()))
+    found: Bools = ~hidden
+    return found
 
 
 def _ways_inside(tree: BVHTree, place: Floats) -> tuple[Floats, float]:
     """Places (P, 3) on the ways from a place (3,) to what it sees all around, and the share that it sees."""
-    cast: Any = tree.ray_cast
     ways = cell_directions(_LOOKS).astype(np.float64)
-    start = Vector(place.tolist())
-    far = np.array([cast(start, Vector(way))[3] or np.inf for way in ways.tolist()])
+    far = distances_from(tree, place, ways)
     met = np.isfinite(far)
     along = [place + part * far[met, None] * ways[met] for part in _WAYS]
     return np.concatenate(along), float(met.mean())

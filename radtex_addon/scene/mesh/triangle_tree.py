@@ -8,6 +8,7 @@ from typing import Any, cast
 
 import bpy
 import numpy as np
+from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
 from ...core.arrays import Floats, Ints
@@ -44,3 +45,11 @@ def triangle_tree(position: Floats, triangles: Ints) -> BVHTree:
     finally:
         bpy.data.scenes.remove(scene)
         bpy.data.meshes.remove(mesh)  # and the object with it
+
+
+def distances_from(tree: BVHTree, eye: Floats, ways: Floats) -> Floats:
+    """How far from an eye things are along unit directions (P, 3), (P,); infinite where there is nothing."""
+    cast_ray: Any = tree.ray_cast
+    start = Vector(eye.tolist())
+    found = (cast_ray(start, Vector(way))[3] for way in ways.tolist())
+    return np.array([np.inf if far is None else far for far in found])

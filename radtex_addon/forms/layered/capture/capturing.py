@@ -166,9 +166,8 @@ class _Captures:
         through = lone is not None and lets_through(lone, light)
         if lone is not None:
             lone = replace(lone, plan=lit)  # all plans have the same texels, and each takes memory
-        evaluated = coarse_maps.get("width")
         found = yield from self._surrounded(
-            own, lit, plan(own_side(count)), (middle, radius), through, times, room, evaluated
+            own, lit, plan(own_side(count)), (middle, radius), through, times, room, coarse_maps
         )
         own, around, exits, looked = found
         capture = opacity.bare(
@@ -209,16 +208,16 @@ class _Captures:
         through: bool,
         times: LayeredTimes,
         room: Room | None,
-        evaluated: Floats | None,
+        maps: dict[str, Floats],
     ) -> Steps[tuple[OwnRays, Around, ExitSamples | None, int]]:
         """Own rays with the misled ones, what surrounds the objects, what leaves them, and its paths.
 
         `reach`: their middle and radius; `through`: they let light through; the `room` that they stand in;
-        `evaluated`: a map of the widths² of what they mirror, as `capture_gloss` has them.
+        `maps` are those of the texels' materials.
         """
         share = self.surroundings
         if room is not None and not through:  # of rough things, which take most of their time there
-            share *= share_for(sharpest_width(self.bodies, evaluated))
+            share *= share_for(sharpest_width(self.bodies, maps.get("width")))
         bar = StageParts(Stage.SURROUNDINGS, times.around_clear if through else times.around)
         yield bar.at("pictures")
         with enclosed(self.scratch, self.bodies if through else ()) as inside:

@@ -22,7 +22,7 @@ from ....core.frame import normalised
 from ....core.octahedron import cell_directions
 from ....scene.mesh.mesh_checks import FARTHEST
 from ....scene.mesh.render_contents import Shown, read_render
-from ....scene.mesh.triangle_tree import triangle_tree
+from ....scene.mesh.triangle_tree import distances_from, triangle_tree
 from ..lookup.environment import MOST_BOXES, MOST_PLANES, Impostor, Shell
 from ..lookup.ray_ends import SAME
 
@@ -344,14 +344,14 @@ def _best_eye(
         if nearest[3] < _CLEAR * float((high - low).max()) and eye is not own:
             return -1.0
         direction = cell_directions(_DIRECTIONS)
-        far = _distances(tree, eye, direction)
+        far = distances_from(tree, eye, direction)
         solid = np.isfinite(far)
         if not solid.any():
             return 0.0
         place = (eye - middle).astype(np.float32)
         impostor = Impostor.of(direction[solid].astype(np.float32), far[solid], place)
         met = replace(impostor, boxes=boxes, shell=shell).meet(offset, axis, none)[0].astype(np.float64)
-        far = _distances(tree, eye, met)
+        far = distances_from(tree, eye, met)
         solid = np.isfinite(far)
         shown = np.where(solid[:, None], eye + np.where(solid, far, 0)[:, None] * met, on_shell)
         apart = np.linalg.norm(shown - hits.place[first], axis=1)
@@ -361,11 +361,3 @@ def _best_eye(
     eyes = [room.eye + np.array(sign) * (high - low) / 4 for sign in signs]
     best = max(eyes if own is None else [own, *eyes], key=right)
     return None if best is own else best
-
-
-def _distances(tree: BVHTree, eye: Floats, ways: Floats) -> Floats:
-    """How far from an eye things are along unit directions (P, 3), (P,); infinite where there is nothing."""
-    cast: Any = tree.ray_cast
-    start = Vector(eye.tolist())
-    found = (cast(start, Vector(way))[3] for way in ways.tolist())
-    return np.array([np.inf if far is None else far for far in found])

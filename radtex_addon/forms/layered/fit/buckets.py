@@ -177,8 +177,7 @@ class _Fit:
                 lobes_light(
                     surface.around, surface.materials, _for_each(offset[some], each).T,
                     axis.reshape(3, -1).T, _for_each(surface.normal[some], each).T, cosine.ravel(),
-                    material, width,
-                    None if surface.lit is None else surface.lit.some(number[some].repeat(each)),
+                    material, width, surface.lit_at(number[some].repeat(each)),
                 )
             )  # fmt: skip
             for model, kept in zip(models, shown, strict=True):

@@ -63,6 +63,10 @@ class Surface:
     def cells(self) -> int:
         return math.isqrt(self.free.shape[2])
 
+    def lit_at(self, texels: Ints) -> Lit | None:
+        """`lit` at some texels."""
+        return None if self.lit is None else self.lit.some(texels)
+
 
 @dataclass(frozen=True, eq=False)
 class OwnLight:
@@ -177,7 +181,7 @@ class _Met:
         shown, share = mirrored_light(
             around, surface.materials, offset.T, mirrored.T, normal.T,
             cosine, surface.material[met], surface.width[met], free, surface.cells,
-            None if surface.lit is None else surface.lit.some(met),
+            surface.lit_at(met),
         )  # fmt: skip
         diffuse = surface.diffuse[met] * falloff_at(surface.falloff, surface.material[met], cosine)
         tint = shown_at(
@@ -200,8 +204,7 @@ class _Met:
         about = axis[:, misled].T.astype(np.float32)
         variance = self._variance(texels, about)
         shown, known = light_of(around, offset, about, place, variance)
-        lit = None if surface.lit is None else surface.lit.some(texels)
-        lamps, met = lamp_light(around, offset, about, place, variance, lit)
+        lamps, met = lamp_light(around, offset, about, place, variance, surface.lit_at(texels))
         traced = np.where(met, np.float32(np.nan), light[:, misled])  # lamps are added, without their noise
         light[:, misled] = np.where(known, shown, traced) + lamps
         return light
