@@ -26,7 +26,7 @@ from ..prepare.prepared import BakedCopy
 from ..preview.save import MATERIAL_PREFIX, StandIn, save_preview
 from ..preview.swap import previews_off
 from ..scene.image_materials import image_materials, numbers_of_slots
-from ..scene.mesh.backs import lift_twins
+from ..scene.mesh.backs import lift_twins, twin_numbers
 from ..scene.mesh.copy import copy_object
 from ..scene.mesh.watertight import is_closed
 from ..scene.proxy_content import EVERYTHING, find_content
@@ -168,7 +168,9 @@ def _preview_of(
 ) -> PreviewOf:
     clear = spec.kind.traits.looks_at_surface and scene.render.film_transparent
     closed = clear and all(is_closed(piece.mesh) for piece in prepared.pieces)
-    doubled = any(piece.single is not None for piece in prepared.pieces)  # a back has a face of its own
+    doubled = any(
+        twin_numbers(piece.mesh) is not None for piece in prepared.pieces
+    )  # backs are faces too, or clear
     hull = spec.kind.traits.content or closed or doubled  # only fronts are shown
     sidecar = files.sidecar.absolute()
     return PreviewOf(title, spec, sidecar, prepared.uv_layer, scene, preview, hull)

@@ -34,6 +34,7 @@ from ..formats.fingerprint import Fingerprint
 from ..scene.camera_place import camera_points
 from ..scene.digests import scene_digests
 from ..scene.geometry_digests import matrix_digest, mesh_digest
+from ..scene.mesh.backs import with_fronts_alone
 from ..scene.mesh.copy import baked_mesh_steps, surface_mesh
 from ..scene.mesh.evaluated import EvaluatedMesh, evaluate
 from ..scene.mesh.joined import joined_surface
@@ -41,6 +42,7 @@ from ..scene.mesh.materials import material_numbers_of, write_material_numbers
 from ..scene.mesh.mesh_parts import number_parts
 from ..scene.mesh.named_regions import chosen_triangles
 from ..scene.mesh.painted_weights import painted_triangles, unpainted_warning
+from ..scene.mesh.panes import Panes, find_panes
 from ..scene.mesh.source_hits import SourceHits
 from ..scene.units import metres_per_unit
 from ..settings.choices import Backs
@@ -101,7 +103,8 @@ class Prepared:
     each other. With a `source`, the points to capture lie on that, the `detailed` object; its mesh `shown`,
     which renders as it does, is made for forms by paths alone. `chosen` (F,) marks the surface's triangles
     that the specification selects, None if it selects none. The `fingerprint` tells what is baked, None if
-    that was not read. `blend` is the name of the .blend that is baked, empty if it was never saved.
+    that was not read. `blend` is the name of the .blend that is baked, empty if it was never saved. `panes`:
+    which materials of each piece make flat panes; empty where none can be.
     """
 
     name: str
@@ -124,6 +127,7 @@ class Prepared:
     shown: bpy.types.Mesh | None = None
     fingerprint: Fingerprint | None = None
     blend: str = ""
+    panes: tuple[Panes, ...] = ()
 
     @property
     def original(self) -> bpy.types.Object:
@@ -291,10 +295,12 @@ def prepare(
     distinct = [find_once(mesh) for mesh in evaluated]
     shapes, evaluated = all_once(shapes, distinct), all_once(evaluated, distinct)
     chosen = chosen_once(chosen, distinct)
+    panes = _panes_of(scratch, originals, evaluated, spec)
     if backs:
         doubled = yield from find_two_sided(scratch, originals, evaluated, spec)
         shapes, evaluated = all_with_twins(shapes, doubled), all_with_twins(evaluated, doubled)
         chosen = chosen_with_twins(chosen, doubled)
+    evaluated = with_fronts_alone(evaluated, panes)
     yield Progress(Stage.UNWRAP, 0, 1)
     cameras = None if spec.backs is Backs.ALL else camera_points(scratch)
     with told:
@@ -305,6 +311,7 @@ def prepare(
     prepared = yield from _joined(
         name or originals[0].name, originals, evaluated, unwrapped, spec, chosen, metres
     )
+    prepared = replace(prepared, panes=panes)
     kept.extend(piece.mesh for piece in prepared.pieces)
     kept.extend(piece.single for piece in prepared.pieces if piece.single is not None)
     if detailed is None:
@@ -324,6 +331,17 @@ def _evaluated(
     if spec.texel_weights is not None and painted_triangles(found) is None:
         log.warning(unpainted_warning(originals, spec.texel_weights))
     return found
+
+
+def _panes_of(
+    scratch: bpy.types.Scene,
+    originals: Sequence[bpy.types.Object],
+    meshes: Sequence[EvaluatedMesh],
+    spec: BakeSpec,
+) -> tuple[Panes, ...]:
+    """The materials of each mesh that make flat panes, for forms that show them as clear; else empty."""
+    able = spec.form.by_paths and spec.source is None
+    return tuple(find_panes(scratch, originals, meshes)) if able else ()
 
 
 def _with_materials_of(detailed: Detailed, prepared: Prepared, mesh: EvaluatedMesh) -> Prepared:

@@ -209,12 +209,23 @@ class BakedSurface:
 
     def _facing(self, triangle: Indices, away: Array, twin: Ints) -> Indices:
         """Replace triangles (K,) that rays meet from behind by their twins, where they have one."""
+        behind = self._behind(triangle, away) & (twin[triangle] >= 0)
+        return np.where(behind, twin[triangle], triangle)
+
+    def culled(self, triangle: Indices, away: Array) -> npt.NDArray[np.bool_]:
+        """Which triangles (K,) engines do not draw along rays `away` (K, 3), as only fronts are drawn."""
+        if self._twin is None:
+            return np.zeros(len(triangle), dtype=bool)
+        return self._behind(triangle, away)
+
+    def _behind(self, triangle: Indices, away: Array) -> npt.NDArray[np.bool_]:
+        """Which triangles (K,) rays meet from behind."""
         first, second, third = self.place[self._corner[triangle]].transpose(1, 0, 2)
         normal = np.cross(second - first, third - first)
         if np.linalg.det(self._matrix) < 0:
             normal = -normal
-        behind = (np.einsum("ki,ki->k", normal, away) > 0) & (twin[triangle] >= 0)
-        return np.where(behind, twin[triangle], triangle)
+        behind: npt.NDArray[np.bool_] = np.einsum("ki,ki->k", normal, away) > 0
+        return behind
 
     def _around(self, rays: CameraRays) -> npt.NDArray[np.bool_]:
         """Which rays can meet the mesh: those within the cone of its vertices, if they have one origin."""

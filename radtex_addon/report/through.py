@@ -88,7 +88,11 @@ def _nearest(shown: Sequence[Shown], rays: CameraRays, most: Array) -> _Met:
         hit = buffer.hit
         if hit.any():
             light[hit] = one.bake.radiance(buffer)[hit]
-            alpha[hit] = 1.0 if one.bake.alpha is None else one.bake.alpha(buffer.uv[hit])
+            alpha[hit] = 1.0
+            if one.bake.alpha is not None:
+                drawn = ~one.surface.culled(buffer.triangle[hit], rays.away[hit])
+                alpha[hit] = drawn * one.bake.alpha(buffer.uv[hit])
+                light[hit] *= drawn[:, None]
             near[hit] = np.linalg.norm(buffer.position[hit] - rays.origin[hit], axis=1)
             met[hit], triangle[hit] = number, buffer.triangle[hit]
     return _Met(near, met, triangle, light, alpha)

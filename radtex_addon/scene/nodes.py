@@ -145,6 +145,14 @@ class NodeBuilder:
         return depths
 
 
+def operand_of(socket: Any) -> Operand:
+    """What feeds an input: the socket linked to it, or its own value, a colour without its alpha."""
+    if socket.is_linked:
+        return cast(Socket, socket.links[0].from_socket)
+    value = socket.default_value
+    return float(value) if socket.type == "VALUE" else tuple(value)[:3]
+
+
 def open_material(name: str) -> tuple[bpy.types.Material, NodeBuilder]:
     """A new material without nodes, and the builder that gives it some."""
     material = bpy.data.materials.new(name)

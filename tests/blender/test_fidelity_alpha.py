@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, cast
 
@@ -14,12 +15,17 @@ import pytest
 from radtex_addon.bake.plan import CapturePlan
 from radtex_addon.bake.progress import finished
 from radtex_addon.core.arrays import Floats
+from radtex_addon.core.hemisphere import square_to_direction
 from radtex_addon.cycles.path_ends import Body
 from radtex_addon.cycles.sampling import capture_samples
 from radtex_addon.forms.layered.capture.material_maps import capture_maps
 from radtex_addon.forms.layered.capture.opacity import find_alpha_map
 from radtex_addon.forms.layered.capture.surface_alone import surface_alone
+from radtex_addon.scene.mesh.copy import baked_mesh
+from radtex_addon.scene.mesh.evaluated import evaluate
+from radtex_addon.scene.mesh.panes import Panes, find_panes
 from radtex_addon.scene.scratch import scene_copied, scratch_scene
+from tests.bench.fidelity.scenes.meshes import made as last_made
 from tests.blender.stage import material, plan_of, world
 
 pytestmark = pytest.mark.one_blender
@@ -162,3 +168,93 @@ def test_light_comes_through_to_others_as_before(quads: bpy.types.Object, tmp_pa
         assert shown() == pytest.approx(before, rel=1e-3)
     quads.material_slots[0].material = quads.material_slots[3].material
     assert shown() < 0.8 * before
+
+
+def _glass(roughness: float = 0.0, kind: str = "ShaderNodeBsdfPrincipled") -> bpy.types.Material:
+    white = (1.0, 1.0, 1.0, 1.0)
+    principled = {"Transmission_Weight": 1.0, "Base_Color": white}
+    more: dict[str, Any] = principled if kind == "ShaderNodeBsdfPrincipled" else {"Color": white}
+    return material("Glass", kind, IOR=1.5, Roughness=roughness, **more)
+
+
+def _slab(made: bpy.types.Material, thick: float = 0.02, floor: bool = True) -> bpy.types.Object:
+    """A slab of 2 x 1 at the origin; `floor`: large, black, and not far below; a ceiling above."""
+    bpy.context.scene.render.engine = "CYCLES"
+    world()
+    black = material("Black", "ShaderNodeBsdfDiffuse", Color=(0, 0, 0, 1))
+    for height in (-1, 2) if floor else ():
+        bpy.ops.mesh.primitive_plane_add(size=40, location=(0, 0, height))
+        last_made().data.materials.append(black)
+        last_made().visible_glossy = False
+    bpy.ops.mesh.primitive_cube_add(size=1, location=(0, 0, 0), scale=(2, 1, thick))
+    slab = last_made()
+    slab.data.materials.append(made)
+    bpy.context.view_layer.update()
+    return slab
+
+
+def _panes_of(scratch: bpy.types.Scene, item: bpy.types.Object) -> tuple[Body, Panes]:
+    """The object as a body, of triangles, and its panes."""
+    mesh = evaluate(scratch, item)
+    body = Body(item, baked_mesh(mesh, np.zeros((len(mesh.triangles), 3, 2), np.float32)), mesh.matrix_world)
+    return body, find_panes(scratch, [item], [mesh])[0]
+
+
+def _are_panes(item: bpy.types.Object) -> bool:
+    with scratch_scene(cast(bpy.types.Scene, bpy.context.scene)) as scratch:
+        found = _panes_of(scratch, item)[1]
+    assert found <= {slot.material for slot in item.material_slots}
+    return bool(found)
+
+
+@pytest.mark.parametrize("kind", ["ShaderNodeBsdfPrincipled", "ShaderNodeBsdfGlass"])
+def test_a_flat_slab_of_glass_above_a_floor_is_a_pane(kind: str) -> None:
+    assert _are_panes(_slab(_glass(kind=kind)))
+
+
+def test_what_bends_or_blurs_what_is_behind_is_no_pane() -> None:
+    assert not _are_panes(_slab(_glass(roughness=0.3)))
+    assert not _are_panes(_slab(_glass(), thick=0.5))
+    assert not _are_panes(_slab(material("Plastic", "ShaderNodeBsdfPrincipled")))
+    bpy.ops.mesh.primitive_uv_sphere_add(radius=1)
+    bottle = last_made()
+    bottle.data.materials.append(_glass())
+    cast(Any, bottle.modifiers.new("Thin", "SOLIDIFY")).thickness = 0.01
+    assert not _are_panes(bottle)
+
+
+def test_a_window_before_the_open_is_no_pane() -> None:
+    assert not _are_panes(_slab(_glass(), floor=False))
+
+
+def test_a_pane_reflects_as_both_of_its_faces_do_and_lets_the_rest_through(tmp_path: Path) -> None:
+    slab = _slab(_glass())
+    with scratch_scene(cast(bpy.types.Scene, bpy.context.scene)) as scratch:
+        body, panes = _panes_of(scratch, slab)
+        flat = plan_of(
+            np.array([[x, 0.1, 0.01] for x in (-0.6, -0.2, 0.2, 0.6)]), np.tile([0.0, 0, 1], (4, 1)), 1
+        )
+        with surface_alone([slab], [body.mesh], [panes]) as clear:
+            alpha = find_alpha_map(scratch, [body], clear, flat, 1, tmp_path)
+            plan = replace(flat, layout=replace(flat.layout, bucket=_CELLS))
+            unseen = np.zeros((4, _CELLS, _CELLS), dtype=bool)
+            with scene_copied(scratch) as copy:
+                light = finished(capture_samples(copy, plan, unseen, 1, tmp_path))
+    assert alpha is not None
+    cosine = square_to_direction(light.square[:])[..., 2]
+    expected = _slab_reflectance(cosine)
+    mean = float((expected * cosine).sum() / cosine.sum())
+    assert alpha.ravel() == pytest.approx(mean, rel=0.2)  # of nine rays
+    assert not light.through[:].any()
+    steep = cosine > 0.3
+    seen = light.mirrored[:].astype(float)[steep]
+    assert seen.mean(axis=1) == pytest.approx(expected[steep], rel=0.03)
+
+
+def _slab_reflectance(cosine: Floats) -> Floats:
+    """What a slab of an index of refraction of 1.5 reflects: Fresnel's equations, of both faces."""
+    below = np.sqrt(1 - (1 - cosine**2) / 1.5**2)
+    across = ((cosine - 1.5 * below) / (cosine + 1.5 * below)) ** 2
+    along = ((1.5 * cosine - below) / (1.5 * cosine + below)) ** 2
+    once = (across + along) / 2
+    return cast(Floats, 2 * once / (1 + once))

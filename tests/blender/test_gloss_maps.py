@@ -25,7 +25,7 @@ from radtex_addon.forms.layered.fit.fitting import fit_layered
 from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas
 from radtex_addon.scene.nodes import NodeBuilder
 from radtex_addon.scene.scratch import scratch_scene
-from radtex_addon.settings.spec import BakeSpec, Layout, Unwrap
+from radtex_addon.settings.spec import BakeSpec, Layout
 from tests.bench.fidelity.layered.staged import capture_staged
 from tests.bench.fidelity.scenes.materials import assign
 from tests.bench.fidelity.scenes.meshes import as_subject
@@ -213,7 +213,7 @@ def _ball(materials: Sequence[Callable[[], bpy.types.Material]], folder: Path) -
     faces = cast(bpy.types.Mesh, ball.data).polygons
     right = [(len(materials) - 1) * (face.center.x > 0) for face in faces]
     faces.foreach_set("material_index", right)
-    spec = BakeSpec(layout=Layout.LAYERED, texels=32, samples=4, unwrap=Unwrap.BLENDER)
+    spec = BakeSpec(layout=Layout.LAYERED, texels=32, samples=4)
     return finished(fit_layered(capture_staged(finish("ball", ball), spec, folder).captured.capture))
 
 

@@ -8,6 +8,7 @@ only front faces. Cycles renders the surface without twins, since it renders bot
 
 from __future__ import annotations
 
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -112,6 +113,18 @@ def with_twins(mesh: EvaluatedMesh, faces: Bools) -> EvaluatedMesh:
         material_index=np.concatenate([mesh.material_index, mesh.material_index[old]]),
         attributes=(*attributes, MeshAttribute(TWIN, "FACE", "INT", twin[:, None])),
     )
+
+
+def with_fronts_alone(meshes: list[EvaluatedMesh], some: Sequence[Collection[Any]]) -> list[EvaluatedMesh]:
+    """The meshes with the attribute TWIN, by which only fronts are drawn, where `some` has anything."""
+
+    def alone(mesh: EvaluatedMesh) -> EvaluatedMesh:
+        if any(attribute.name == TWIN for attribute in mesh.attributes):
+            return mesh
+        none = np.full((len(mesh.triangles), 1), -1, dtype=np.int32)
+        return replace(mesh, attributes=(*mesh.attributes, MeshAttribute(TWIN, "FACE", "INT", none)))
+
+    return [alone(mesh) if any(some[number : number + 1]) else mesh for number, mesh in enumerate(meshes)]
 
 
 def fronts(twin: Ints) -> Bools:

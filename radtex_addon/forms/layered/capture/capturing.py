@@ -98,7 +98,7 @@ def capture_layered(
     top_of_render(scratch)  # before it is copied: each copy would ask anew
     matrices = matrices_in_renders(scratch, originals)
     bodies = tuple(map(Body, originals, meshes, matrices))
-    with surface_alone(originals, meshes) as clear:
+    with surface_alone(originals, meshes, prepared.panes) as clear:
         captures = _Captures(
             scratch, prepared, bodies, spec, folder, store, thumbnail, clear, around, surroundings
         )

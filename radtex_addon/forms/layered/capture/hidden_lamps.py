@@ -20,7 +20,7 @@ from ....scene.mesh.render_contents import Shape, Shown, read_render
 from ....scene.mesh.triangle_tree import triangle_tree
 from .enclosed import is_clear
 
-_POINTS = 64  # of the surface, from which is asked
+_POINTS = 4096  # of the surface, from which is asked: a sun through a window is seen by few
 _APART = 1e-4  # of the surface's size: what is nearer to a ray's start is what the point lies on
 _LEAST = 1e-12  # component of a direction
 

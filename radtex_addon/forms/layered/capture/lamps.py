@@ -45,7 +45,7 @@ _CELLS = 4.0  # that a lamp's radius covers in it, at least
 _CORNER = math.sqrt(2)  # times half a lamp's side: how far its corners are from its middle
 _BORDER = 4  # cells beside a lamp that are traced, too
 _FAR = 1e4  # where a sun is
-_THROUGH_WINDOWS = 0.98  # most of a room's points that a lamp outside may be hidden from
+_THROUGH_WINDOWS = 0.995  # most of a room's points that a lamp outside may be hidden from
 _NEAREST = 1e-4  # to the middle
 _BESIDE = 1.5  # times a lamp's radius: nearer to it than that, the middle does not see it from outside
 

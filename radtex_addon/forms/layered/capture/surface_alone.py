@@ -11,14 +11,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from itertools import chain
 from typing import Any, TypeAlias, cast
 
 import bpy
 
 from ....scene.checks.see_through import is_see_through
 from ....scene.lights.light import without_emission
-from ....scene.nodes import NodeBuilder, Operand, Socket
+from ....scene.mesh.panes import Panes, as_pane
+from ....scene.nodes import NodeBuilder, Socket, operand_of
 
 _UNKNOWN = frozenset({"HOLDOUT", "BSDF_RAY_PORTAL", "SCRIPT"})  # they may be clear in ways of their own
 _WHITE = (1.0, 1.0, 1.0, 1.0)
@@ -29,32 +29,42 @@ _Change: TypeAlias = Callable[[NodeBuilder, Any], None]  # of a node that is cle
 
 @contextmanager
 def surface_alone(
-    items: Sequence[bpy.types.Object], meshes: Sequence[bpy.types.Mesh] = ()
+    items: Sequence[bpy.types.Object],
+    meshes: Sequence[bpy.types.Mesh] = (),
+    panes: Sequence[Panes] = (),
 ) -> Iterator[Clear]:
     """Let camera rays end at the surfaces of `items`, whose slots have their own materials again at the end.
 
-    `meshes` are copies of their meshes, whose materials are exchanged likewise.
+    `meshes` are copies of their meshes, whose materials are exchanged likewise. Each object's materials that
+    make flat `panes` are clear, too: see `as_pane`.
 
     Yields their see-through materials, as they are now, each with one that emits to the camera what is seen
     through it of an evenly white background, and nothing else. Those with shaders whose transparency is
     unknown, Holdout, Ray Portal or a script, stay as they are, and are not among them.
     """
+    flat = panes or [frozenset[bpy.types.Material]()] * len(items)
     before = [[slot.material for slot in item.material_slots] for item in items]
     of_meshes = [list(mesh.materials) for mesh in meshes]
-    copies: dict[bpy.types.Material, bpy.types.Material] = {}
+    made: dict[tuple[bpy.types.Material, bool], bpy.types.Material] = {}
     clear: dict[bpy.types.Material, bpy.types.Material] = {}
-    for material in chain(*before, *of_meshes):
-        if material is None or material in copies or not is_see_through(material):
-            continue
-        if not _has_unknown(material.node_tree):
-            copies[material] = _changed(material, _stop_rays)
-            clear[copies[material]] = _changed(without_emission(material), _show_background)
-            cast(Any, clear[copies[material]]).cycles.emission_sampling = "NONE"
+
+    def alone(material: bpy.types.Material | None, flat: Panes) -> bpy.types.Material | None:
+        if material is None:
+            return None
+        key = material, material in flat
+        if key not in made:
+            made[key] = own = as_pane(material) if material in flat else material
+            if is_see_through(own) and not _has_unknown(own.node_tree):
+                made[key] = stopped = _changed(own, _stop_rays)
+                clear[stopped] = _changed(without_emission(own), _show_background)
+                cast(Any, clear[stopped]).cycles.emission_sampling = "NONE"
+        return made[key]
+
     try:
-        for item, own in zip(items, before, strict=True):
-            _assign(item, [material and copies.get(material, material) for material in own])
-        for mesh, own in zip(meshes, of_meshes, strict=True):
-            _assign_to_mesh(mesh, [material and copies.get(material, material) for material in own])
+        for item, own, some in zip(items, before, flat, strict=True):
+            _assign(item, [alone(material, some) for material in own])
+        for mesh, own, some in zip(meshes, of_meshes, flat, strict=False):
+            _assign_to_mesh(mesh, [alone(material, some) for material in own])
         yield clear
     finally:
         for item, own in zip(items, before, strict=True):
@@ -116,7 +126,7 @@ def _stop_rays(build: NodeBuilder, node: Any) -> None:
     if node.type == "BSDF_TRANSPARENT":
         colour = node.inputs["Color"]
         others = build.math("SUBTRACT", 1.0, camera)
-        build.feed(colour, build.vector("SCALE", _value(colour), others))
+        build.feed(colour, build.vector("SCALE", operand_of(colour), others))
         return
     alpha = _alpha(build, node)
     share = build.mix(camera, 1.0, alpha, kind="FLOAT")
@@ -128,7 +138,7 @@ def _show_background(build: NodeBuilder, node: Any) -> None:
     """Let a node emit to the camera what it lets through, of white: a path that goes on would meet more."""
     camera = build.node("ShaderNodeLightPath").outputs["Is Camera Ray"]
     if node.type == "BSDF_TRANSPARENT":
-        through = build.vector("SCALE", _value(node.inputs["Color"]), 1.0)
+        through = build.vector("SCALE", operand_of(node.inputs["Color"]), 1.0)
         emission = build.node("ShaderNodeEmission", through, camera).outputs[0]
         _replace(build, node, lambda _: emission)
         return
@@ -140,7 +150,7 @@ def _show_background(build: NodeBuilder, node: Any) -> None:
 
 def _alpha(build: NodeBuilder, principled: Any) -> Socket:
     """A Principled node's alpha, within 0 and 1 as Cycles takes it."""
-    return build.math("MINIMUM", build.math("MAXIMUM", _value(principled.inputs["Alpha"]), 0.0), 1.0)
+    return build.math("MINIMUM", build.math("MAXIMUM", operand_of(principled.inputs["Alpha"]), 0.0), 1.0)
 
 
 def _mixed(build: NodeBuilder, share: Socket, at_zero: Socket | None, at_one: Socket) -> Socket:
@@ -158,11 +168,3 @@ def _replace(build: NodeBuilder, node: Any, made: Callable[[Socket], Socket]) ->
     shader = made(node.outputs[0])
     for socket in fed:
         build.tree.links.new(shader, socket)
-
-
-def _value(socket: Any) -> Operand:
-    """What feeds an input: the socket linked to it, or its own value."""
-    if socket.is_linked:
-        return cast(Socket, socket.links[0].from_socket)
-    value = socket.default_value
-    return float(value) if socket.type == "VALUE" else tuple(value)[:3]

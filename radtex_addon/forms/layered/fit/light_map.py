@@ -30,8 +30,8 @@ _LEAST = 2 * len(PLACES)  # paths: two halves of one from each place
 _EDGE = 0.15  # of the light that is seen: how much a texel differs from those around it, if an edge is near
 _SURE = 4.0  # times the noise
 _BESIDE = 0.02  # share of the weight around a texel that such texels have, for it to be traced, too
-_FAR_OFF = 1.0  # times the light around: single bright paths tell no more than that of how noisy it is
-_DOUBTED = 0.1  # share of what the halves tell that is their noise
+_FAR_OFF = 4.0  # times the usual difference of the halves: single bright paths tell no more than that
+_DOUBTED = 0.2  # share of what the halves tell that is their noise
 _FEW = 64  # texels: of so few is half believed of how bright they are along the normal
 _MOST = 1.5  # times too bright that samples are taken to be along the normal
 
@@ -186,8 +186,10 @@ def nearer(halves: Floats, denoised: Floats, smooth: Floats, edge: Bools, neighb
     """
     mean = halves.mean(axis=0)
     level = np.maximum(_around(mean @ LUMINANCE, neighbours, wide=False), 1e-6)[:, None]
+    apart = np.abs(halves[1] - halves[0]) / level
+    far = np.maximum(_FAR_OFF * _around(apart.mean(axis=1), neighbours, wide=True), 1e-6)[:, None]
     step, other = (
-        np.clip(values / level, -_FAR_OFF, _FAR_OFF) for values in (denoised - halves, halves[::-1] - halves)
+        np.clip(values / level, -far, far) for values in (denoised - halves, halves[::-1] - halves)
     )
     gained = (other * step).sum(axis=(0, 2))
     length = (step**2).sum(axis=(0, 2))
