@@ -11,6 +11,7 @@ import bpy
 from ..core.messages import Message
 from ..scene.mesh.about_area import AboutArea, about_area, about_islands
 from ..scene.scratch import find_view_layer
+from ..scene.surfaces import may_have_faces
 from ..scene.units import metres_per_unit
 from ..settings.spec import BakeSpec, Unwrap
 from ..settings.texel_density import about_side, capped_warning, side_for, side_for_several
@@ -37,7 +38,7 @@ def with_texels_of_several(scene: bpy.types.Scene, spec: BakeSpec) -> BakeSpec:
     islands = 0
     if spec.unwrap is Unwrap.AUTO and spec.uv_layer is None:
         there = (scene.objects[name] for name in spec.objects if name in scene.objects)
-        islands = sum(about_islands(item) for item in there if item.type == "MESH")
+        islands = sum(about_islands(item) for item in there if may_have_faces(item))
     side = min(side_for_several(spec.texels, len(spec.objects), islands), spec.most_texels)
     return replace(spec, texels=max(spec.texels, side))
 
@@ -51,7 +52,7 @@ def needed_texels(scene: bpy.types.Scene, name: str, spec: BakeSpec) -> int:
     areas = [
         about_area(scene.objects[each], layer, spec.uv_layer)
         for each in spec.objects or (name,)
-        if each in scene.objects and scene.objects[each].type == "MESH"
+        if each in scene.objects and may_have_faces(scene.objects[each])
     ]
     return _side(areas, spec.density * metres_per_unit(scene))
 

@@ -21,6 +21,7 @@ from ..scene.mesh.asset_parts import asset_groups
 from ..scene.mesh.touching import Surface, surfaces_in_render, surfaces_shown
 from ..scene.objects import is_rendered
 from ..scene.scratch import at_frame, find_view_layer, scratch_scene
+from ..scene.surfaces import may_have_faces
 from ..settings.spec import BakeSpec
 from ..store.bake_folder import BakeFolder, FolderState
 from .about_texels import with_about_texels, with_texels_of_several
@@ -83,7 +84,7 @@ def find_assets(
         if not others:
             break
         unfit |= others
-    taken = {item.name for item in scene.objects if item.type == "MESH"}
+    taken = {item.name for item in scene.objects if may_have_faces(item)}
     found = []
     for group in groups:
         asset = Asset(name_for(scene, group, known, taken, _SUFFIX), tuple(item.name for item in group))
@@ -156,9 +157,9 @@ def may_gain(spec: BakeSpec, wish: OpenLayout | None) -> bool:
 
 
 def may_belong(item: bpy.types.Object, layer: bpy.types.ViewLayer) -> bool:
-    """Whether an object is a mesh that renders, or whose bake is shown, and no lower level of detail."""
+    """Whether an object has faces and renders, or whose bake is shown, and no lower level of detail."""
     is_there = is_on(item) or is_rendered(item, layer)
-    return item.type == "MESH" and is_there and not _LEVEL.fullmatch(item.name)
+    return may_have_faces(item) and is_there and not _LEVEL.fullmatch(item.name)
 
 
 def is_layered(scene: bpy.types.Scene, name: str, spec: BakeSpec, wish: OpenLayout | None) -> bool:
@@ -203,7 +204,7 @@ def _parents_of(group: Sequence[bpy.types.Object]) -> Iterator[str]:
     while parent is not None:
         below = _meshes_among(parent.children_recursive)
         if inside <= below:
-            if below <= inside and parent.type != "MESH":
+            if below <= inside and not may_have_faces(parent):
                 yield parent.name
             else:
                 return
@@ -222,4 +223,4 @@ def _collections_of(scene: bpy.types.Scene, group: Sequence[bpy.types.Object]) -
 
 def _meshes_among(items: Iterable[bpy.types.Object]) -> set[bpy.types.Object]:
     """The meshes that render, with objects in the place of their previews."""
-    return {original_of(item) or item for item in items if item.type == "MESH" and not item.hide_render}
+    return {original_of(item) or item for item in items if may_have_faces(item) and not item.hide_render}

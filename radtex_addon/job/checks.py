@@ -31,6 +31,7 @@ from ..scene.mesh.source_hits import find_source
 from ..scene.objects import find_object
 from ..scene.proxy_content import find_content
 from ..scene.scratch import find_view_layer
+from ..scene.surfaces import may_have_faces
 from ..scene.uv.unwrap import check_unwrapper
 from ..settings.cost import check_memory
 from ..settings.spec import BakeSpec, CaptureMethod, View
@@ -114,7 +115,7 @@ def _warnings(
                 (do("choose layout buckets", Setting.LAYOUT, value="buckets"),),
             )
             for item in items
-            if item.type == "MESH" and (reason := why_no_surface(scene, item))
+            if may_have_faces(item) and (reason := why_no_surface(scene, item))
         )
     return warnings
 

@@ -19,6 +19,7 @@ from ..core.messages import Setting, do
 from ..formats.disk.memory import readable_size
 from ..forms.layered.files.sidecar import MOST_MATERIALS
 from ..scene.checks.see_through import why_no_surface
+from ..scene.surfaces import may_have_faces
 from ..settings.cost import check_memory
 from ..settings.forms import FormTraits
 from ..settings.kinds import Layout
@@ -127,7 +128,7 @@ def _why_not_objects(scene: bpy.types.Scene, name: str, spec: BakeSpec) -> str:
     wanted = [scene.objects[each] for each in names if each in scene.objects]
     if spec.split is None and (count := _materials_of(wanted)) > MOST_MATERIALS:
         return f"it has {count} materials, and layered holds {MOST_MATERIALS} in one atlas"
-    return next(filter(None, (why_no_surface(scene, item) for item in wanted if item.type == "MESH")), "")
+    return next(filter(None, (why_no_surface(scene, item) for item in wanted if may_have_faces(item))), "")
 
 
 def _materials_of(items: Sequence[bpy.types.Object]) -> int:

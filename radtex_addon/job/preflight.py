@@ -71,7 +71,7 @@ def run_preflight(
 
 def _check_uv(item: bpy.types.Object, spec: BakeSpec) -> None:
     """Raises InputError if the object lacks the UV layer and has no modifier that might make it."""
-    layers = [layer.name for layer in item.data.uv_layers]
+    layers = [layer.name for layer in getattr(item.data, "uv_layers", ())]
     if spec.uv_layer is None or spec.uv_layer in layers or item.modifiers:
         return
     remedies = [do(f"choose {_listed(layers)}", Setting.UV)] if layers else []

@@ -26,6 +26,7 @@ from ..scene.mesh.about_area import about_islands
 from ..scene.mesh.scene_groups import SceneGroup, scene_groups
 from ..scene.mesh.touching import Surface
 from ..scene.scratch import find_view_layer
+from ..scene.surfaces import may_have_faces
 from ..scene.units import metres_per_unit
 from ..settings.spec import BakeSpec, Unwrap
 from ..settings.texel_density import (
@@ -136,7 +137,7 @@ def find_scene_atlases(scene: bpy.types.Scene, request: BakeRequest, read: Read)
     needs = _needs(scene, items, known, spec)
     clear = np.array([is_clear(item) for item in items], dtype=bool)
     groups = scene_groups(list(known.values()), needs, MOST_SHARED**2, clear)
-    taken = {item.name for item in scene.objects if item.type == "MESH"}
+    taken = {item.name for item in scene.objects if may_have_faces(item)}
     found = []
     for group in groups:
         members = [items[index] for index in group.members]

@@ -19,6 +19,7 @@ from ..core.errors import InputError
 from ..formats.json_reader import Facts
 from ..formats.sidecar_file import AnySidecar, opened
 from ..scene.preview_file import settle
+from ..scene.surfaces import may_have_faces
 from .bake_group import ScriptNode, group_in, load_with_groups, made_materials
 from .light_linking import link_alike
 from .load import remove_unused
@@ -68,7 +69,7 @@ def apply_to_copies(
 
 
 def _check(original: bpy.types.Object) -> None:
-    if original.type != "MESH":
+    if not may_have_faces(original):
         raise InputError(f"object '{original.name}' is no mesh: only a baked mesh has a bake to apply")
     if not original.users_scene:
         raise InputError(f"object '{original.name}' is in no scene: link it to a collection")

@@ -10,6 +10,7 @@ import bpy
 
 from ..core.errors import InputError
 from ..scene.scratch import find_view_layer
+from ..scene.surfaces import may_have_faces
 from .swap import is_on, original_of
 
 _LISTED = 8  # most names in a message
@@ -22,7 +23,7 @@ def meshes_of(
 
     What is hidden from render, such as a modifier's cutter, is left out, unless its bake is shown.
     """
-    found = [] if collection is None else [item for item in collection.all_objects if item.type == "MESH"]
+    found = [] if collection is None else [item for item in collection.all_objects if may_have_faces(item)]
     here = set(view_layer.objects)
     seen = (item for item in found if item in here and (not item.hide_render or is_on(item)))
     return sorted(seen, key=lambda item: item.name)

@@ -22,6 +22,7 @@ from ..core.errors import InputError, RadTexError
 from ..formats.sidecar_file import AnySidecar, SidecarFile, opened
 from ..scene.mesh.copy import MATRIX, SHOWN, copy_object
 from ..scene.objects import animates_visibility
+from ..scene.surfaces import may_have_faces
 from .hidden_objects import (
     RECORD,
     Flags,
@@ -340,7 +341,7 @@ def _flags_of(original: Any, copy: Any) -> dict[str, bool]:
 
 def _check(original: bpy.types.Object) -> None:
     name = original.name
-    if original.type != "MESH":
+    if not may_have_faces(original):
         raise InputError(f"object '{name}' is no mesh: only a baked mesh has a preview")
     if original.library is not None:
         raise InputError(

@@ -44,6 +44,7 @@ from .lights.lamps import WORLD, find_lamps
 from .mesh.evaluated import render_with
 from .mesh.painted_weights import weights_digest
 from .render_settings import KEPT_OF_RENDER, LIGHT_PATHS
+from .surfaces import is_own_mesh
 from .working_space import working_space
 
 Looks: TypeAlias = dict[str, NearDigest]  # a digest for each object, by its name
@@ -319,6 +320,8 @@ class _Shown:
 
 def _shown(depsgraph: bpy.types.Depsgraph) -> Iterator[_Shown]:
     for instance in depsgraph.object_instances:
+        if is_own_mesh(instance):  # its object tells of it
+            continue
         item = instance.object
         assert item is not None  # every instance has an object
         maker = instance.parent if instance.is_instance and instance.parent is not None else item

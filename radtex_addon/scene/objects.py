@@ -15,12 +15,13 @@ from ..core.arrays import Floats
 from ..core.errors import InputError
 from .mesh.copy import SHOWN
 from .scratch import find_view_layer
+from .surfaces import may_have_faces
 
 _VISIBILITY = frozenset(("hide_render", "hide_viewport"))
 
 
 def find_object(scene: bpy.types.Scene, name: str, view_layer: str | None = None) -> bpy.types.Object:
-    """The mesh object called `name` that renders in `view_layer` of `scene` (the first, if None).
+    """The object with faces called `name` that renders in `view_layer` of `scene` (the first, if None).
 
     Raises InputError if no object or several objects have that name, or if the object is of another type or
     hidden from render.
@@ -30,8 +31,8 @@ def find_object(scene: bpy.types.Scene, name: str, view_layer: str | None = None
     if found is None:
         raise InputError(_not_there(scene, name))
     check_only_one(scene.objects, name)
-    if found.type != "MESH":
-        raise InputError(_not_a_mesh(found))
+    if not may_have_faces(found):
+        raise InputError(_without_faces(found))
     reason = _why_hidden(found, layer)
     if reason is not None:
         raise InputError(f"object '{name}' is hidden from render: {reason}")
@@ -63,7 +64,7 @@ def _not_there(scene: bpy.types.Scene, name: str) -> str:
                 f" make instances real (Object > Apply) and bake one of them"
             )
         return f"object '{name}' is not in scene '{scene.name}': link it to one of the scene's collections"
-    meshes = [item.name for item in scene.objects if item.type == "MESH"]
+    meshes = [item.name for item in scene.objects if may_have_faces(item)]
     close = difflib.get_close_matches(name, meshes, n=3, cutoff=0.5)
     close += [item for item in meshes if item.casefold() == name.casefold() and item not in close]
     if close:
@@ -82,14 +83,14 @@ def _instances(item: bpy.types.Object, of: bpy.types.Object) -> bool:
     return collection is not None and of.name in collection.all_objects
 
 
-def _not_a_mesh(found: bpy.types.Object) -> str:
+def _without_faces(found: bpy.types.Object) -> str:
     types = cast("bpy.types.EnumProperty", found.bl_rna.properties["type"]).enum_items
     kind = types[found.type].name.lower()
     if found.type == "EMPTY" and found.instance_type == "COLLECTION":
         return (
             f"object '{found.name}' instances a collection: make instances real (Object > Apply), bake those"
         )
-    if found.type in {"CURVE", "SURFACE", "FONT", "META", "CURVES", "POINTCLOUD", "GREASEPENCIL"}:
+    if found.type in {"CURVES", "POINTCLOUD", "GREASEPENCIL"}:
         return f"object '{found.name}' is a {kind}, not a mesh: convert it to a mesh (Object > Convert)"
     return f"object '{found.name}' is a {kind}, not a mesh: name a mesh object"
 

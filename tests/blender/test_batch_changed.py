@@ -90,9 +90,8 @@ def test_what_cannot_be_baked_of_a_collection_is_left_out_with_a_line_and_what_i
     assert told == {name: name not in ("Cup", "Table") for name in told}, ended.err
     for words in (
         "'Cutter' is hidden from render: enable it in renders",
-        "'Empty Mesh' has no faces in renders: give it some, or name another; likewise 'Empty Too'",
+        "'BézierCircle' has no faces in renders: give it some, or name another; likewise 'Empty Mesh'",
         "'Ball' is scaled to nothing along an axis",
-        "'BézierCircle' is a curve, not a mesh: convert it",
         "include its collection 'Empty'",
         "as they have no surface: 'Point'",
     ):

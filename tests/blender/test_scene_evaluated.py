@@ -274,8 +274,7 @@ def test_an_instanced_collection_is_to_be_made_real(cube: Any) -> None:
 @pytest.mark.parametrize(
     ("add", "message"),
     [
-        (bpy.ops.curve.primitive_bezier_circle_add, r"is a curve, not a mesh: convert it"),
-        (bpy.ops.object.text_add, r"is a text, not a mesh: convert it"),
+        (bpy.ops.object.pointcloud_random_add, r"is a point cloud, not a mesh: convert it"),
         (lambda: bpy.ops.object.light_add(type="POINT"), r"is a light, not a mesh: name a mesh object"),
         (bpy.ops.object.empty_add, r"is an? empty, not a mesh: name a mesh object"),
     ],

@@ -297,11 +297,12 @@ def test_what_has_no_mesh_is_named_with_what_to_do() -> None:
     plane("Card")
     bpy.ops.object.text_add()
     context.object.name = "Label"
-    (told,) = seen().not_baked
-    assert told.text.startswith("'Label' is a text: meshes alone are baked")
-    assert told.operator == "object.convert"
-    assert ops.object.convert(target="MESH") == {"FINISHED"}
     assert (seen().not_baked, seen().objects) == ((), ("Label",))
+    bpy.ops.object.pointcloud_random_add()
+    context.object.name = "Dust"
+    (told,) = seen().not_baked
+    assert told.text.startswith("'Dust' is a point cloud: it has no faces. Convert it")
+    assert told.operator == "object.convert"
     bpy.ops.object.light_add()
     (told,) = seen().not_baked
     assert "is a light, and has no surface to bake" in told.text

@@ -45,7 +45,7 @@ def _corner(out: Path) -> Iterator[None]:
         context.object.name = name
     for item in context.scene.objects:
         item.data.materials.append(gloss)
-    bpy.ops.object.text_add()
+    bpy.ops.object.camera_add()
     bpy.ops.object.select_all(action="DESELECT")
     with registered():
         settings().directory = str(out)

@@ -6,12 +6,13 @@ from __future__ import annotations
 
 import hashlib
 from dataclasses import dataclass
-from typing import Any, cast
+from typing import Any
 
 import bpy
 import numpy as np
 
 from ...core.islands import signed_areas, surface_areas, uv_islands
+from ..surfaces import shown_mesh
 
 _SAMPLE = 50_000  # triangles that are measured, every n-th of a larger mesh: some milliseconds
 
@@ -27,12 +28,16 @@ class AboutArea:
 
 
 def about_area(item: bpy.types.Object, layer: bpy.types.ViewLayer, uv_layer: str | None = None) -> AboutArea:
-    """Measure the mesh object as the view layer last evaluated it for the viewport; else without modifiers.
+    """Measure the object as the view layer last evaluated it for the viewport; else without modifiers.
 
     A UV layer that the object lacks covers nothing, and counts as None.
     """
     found = item if layer.depsgraph is None else item.evaluated_get(layer.depsgraph)
-    mesh = cast("bpy.types.Mesh", found.data)
+    with shown_mesh(found) as mesh:
+        return _area_of(mesh, found, uv_layer)
+
+
+def _area_of(mesh: bpy.types.Mesh, found: bpy.types.Object, uv_layer: str | None) -> AboutArea:
     mesh.calc_loop_triangles()
     triangles: Any = mesh.loop_triangles
     vertices = _of(triangles, "vertices", np.int32)
@@ -58,10 +63,10 @@ def about_islands(item: bpy.types.Object) -> int:
 
     Counting takes a tenth of a second for 100,000 triangles; counts are kept, by what was counted.
     """
-    mesh = cast("bpy.types.Mesh", item.data)
-    uv: Any = mesh.uv_layers.active
-    if uv is None or item.mode == "EDIT":
+    mesh = item.data
+    if not isinstance(mesh, bpy.types.Mesh) or mesh.uv_layers.active is None or item.mode == "EDIT":
         return 0
+    uv: Any = mesh.uv_layers.active
     mesh.calc_loop_triangles()
     triangles: Any = mesh.loop_triangles
     flat = np.empty(2 * len(mesh.loops), dtype=np.float32)

@@ -33,6 +33,15 @@ NORMAL, TANGENT, SIGN = "radtex_normal", "radtex_tangent", "radtex_sign"  # on c
 OBJECT = "radtex_object"  # on faces of a joined copy: the number of the copy that they are of
 MATERIAL = "radtex_material"  # on faces: the material's number, where there are several
 SHOWN = "radtex_copy"  # of an object that a preview replaces: the preview, and how the object was hidden
+_COPIED = (  # fields of an object, its parent before what depends on that
+    *("rotation_mode", "location", "rotation_euler", "rotation_quaternion", "rotation_axis_angle", "scale"),
+    *("delta_location", "delta_rotation_euler", "delta_rotation_quaternion", "delta_scale"),
+    *("parent", "parent_type", "parent_bone", "parent_vertices", "matrix_parent_inverse"),
+    *("hide_render", "hide_viewport", "hide_select", "pass_index", "color", "display_type"),
+    *("visible_camera", "visible_diffuse", "visible_glossy", "visible_transmission"),
+    *("visible_volume_scatter", "visible_shadow", "is_shadow_catcher", "is_holdout"),
+)
+_LINKED = ("receiver_collection", "blocker_collection")  # collections of light linking
 MATRIX = "radtex_matrix_world"  # of the mesh: the object's matrix at the bake, row by row
 
 
@@ -148,15 +157,39 @@ def face_numbers(mesh: bpy.types.Mesh, name: str) -> Ints:
 def copy_object(original: bpy.types.Object, mesh: bpy.types.Mesh) -> bpy.types.Object:
     """A copy of the object that shows `mesh` as it is, linked to no collection yet.
 
-    Transform, parent, constraints and animation stay; modifiers are removed, since `mesh` includes their
-    effect.
+    Transform, parent, constraints and animation stay, of a curve, text or metaball without NLA tracks;
+    modifiers are removed, since `mesh` includes their effect.
     """
+    if original.type != "MESH":
+        return _copy_as_mesh(original, mesh)
     copy = cast("bpy.types.Object", original.copy())
     copy.data = mesh
     copy.modifiers.clear()
     for slot in copy.material_slots:
         slot.link = "DATA"
     return copy
+
+
+def _copy_as_mesh(original: Any, mesh: bpy.types.Mesh) -> bpy.types.Object:
+    """A new mesh object in the place of one that Blender cannot give a mesh."""
+    copy: Any = bpy.data.objects.new(original.name, mesh)
+    for name in _COPIED:
+        setattr(copy, name, getattr(original, name))
+    for name in _LINKED:
+        setattr(copy.light_linking, name, getattr(original.light_linking, name))
+    for constraint in original.constraints:
+        copy.constraints.copy(constraint)
+    moved = original.animation_data
+    if moved is not None:
+        own = copy.animation_data_create()
+        own.action = moved.action
+        if moved.action is not None:
+            own.action_slot = moved.action_slot
+        for driver in moved.drivers:
+            own.drivers.from_existing(src_driver=driver)
+    for key in original.keys():  # noqa: SIM118 (of custom properties)
+        copy[key] = original[key]
+    return cast("bpy.types.Object", copy)
 
 
 def surface_mesh(evaluated: EvaluatedMesh, mesh: bpy.types.Mesh, layer: str = UV_LAYER) -> SurfaceMesh:

@@ -26,6 +26,7 @@ from ..checks.file_checks import failed_drivers
 from ..checks.refusals import refuse_adaptive_subdivision, refuse_displacement
 from ..geometry_digests import drifts, made_of
 from ..scratch import render_scene
+from ..surfaces import is_own_mesh
 from .attribute_arrays import ATTRIBUTE_LAYOUT
 from .mesh_checks import FARTHEST, check_area, check_extent, check_matrix, check_positions, no_faces
 from .painted_weights import WEIGHT, read_weights
@@ -193,6 +194,8 @@ def _rendered_among(
     shown: set[bpy.types.Object] = set()
     instances: dict[bpy.types.Object, int] = {}
     for item in depsgraph.object_instances:
+        if is_own_mesh(item):
+            continue
         of = item.parent if item.is_instance else item.object
         original = cast("bpy.types.Object | None", of.original if of is not None else None)
         if original not in originals or original is None:
@@ -213,6 +216,8 @@ def find_rendered(
     evaluated: bpy.types.Object | None = None
     instances = 0
     for item in depsgraph.object_instances:
+        if is_own_mesh(item):
+            continue
         if item.is_instance:
             instances += item.parent is not None and item.parent.original == original
         elif item.object.original == original and item.show_self:

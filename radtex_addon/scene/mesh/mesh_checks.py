@@ -93,23 +93,23 @@ def check_area(name: str, positions: Floats, triangles: Ints) -> None:
 
 
 def check_shown(scene: bpy.types.Scene, layer: bpy.types.ViewLayer, item: bpy.types.Object) -> None:
-    """Raise InputError if a mesh object cannot be baked, as far as its view in the viewport tells surely.
+    """Raise InputError if an object cannot be baked, as far as its view in the viewport tells surely.
 
     Says nothing of an object that is hidden there, in Edit Mode, large, or whose modifiers may give renders
     another mesh than the viewport.
     """
-    mesh = cast(bpy.types.Mesh, item.data)
     refuse_adaptive_subdivision(item, scene)
     if len(item.material_slots) == 1 and not any(modifier.type == "NODES" for modifier in item.modifiers):
         refuse_displacement(item.name, [item.material_slots[0].material])
-    if not mesh.polygons and not item.modifiers and item.mode != "EDIT":
+    mesh = item.data if isinstance(item.data, bpy.types.Mesh) else None
+    if mesh is not None and not mesh.polygons and not item.modifiers and item.mode != "EDIT":
         raise no_faces(item.name)
     if layer.depsgraph is None or item.mode == "EDIT" or not item.visible_get(view_layer=layer):
         return
     shown = item.evaluated_get(layer.depsgraph)
     matrix = np.array(shown.matrix_world, dtype=np.float64)
     check_matrix(item.name, matrix)
-    if not any(_may_differ(modifier) for modifier in item.modifiers):
+    if mesh is not None and not any(_may_differ(modifier) for modifier in item.modifiers):
         _check_mesh(item.name, cast(bpy.types.Mesh, shown.data), matrix)
 
 

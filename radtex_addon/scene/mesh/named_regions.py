@@ -32,9 +32,8 @@ def check_where(items: Sequence[bpy.types.Object], name: str) -> None:
 
 def places_on(item: bpy.types.Object) -> dict[str, str]:
     """Names of an object's regions, and the kind of each in words, such as "vertex group"."""
-    mesh = cast(Any, item.data)
     found = {slot.material.name: "material" for slot in item.material_slots if slot.material is not None}
-    for attribute in mesh.attributes:
+    for attribute in getattr(item.data, "attributes", ()):
         if _is_of_faces(attribute) and not attribute.name.startswith(".") and attribute.name not in _OWN:
             found[attribute.name] = "boolean attribute"
     return found | {group.name: "vertex group" for group in item.vertex_groups}

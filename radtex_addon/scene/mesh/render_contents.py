@@ -16,6 +16,7 @@ import bpy
 import numpy as np
 
 from ...core.arrays import Bools, Floats, Ints
+from ..surfaces import is_own_mesh
 from .evaluated import render_with
 
 RAYS = ("camera", "diffuse", "glossy", "transmission", "volume_scatter", "shadow")
@@ -130,7 +131,8 @@ def _shown_in(graph: bpy.types.Depsgraph) -> Iterator[Shown]:
         item = instance.object
         owner = instance.parent if instance.is_instance and instance.parent else item
         matrix = np.array(instance.matrix_world, dtype=np.float64)
-        yield Shown(item, instance.is_instance, matrix, owner, graph.view_layer, shapes)
+        is_instance = instance.is_instance and not is_own_mesh(instance)
+        yield Shown(item, is_instance, matrix, owner, graph.view_layer, shapes)
 
 
 def read_beside(scratch: bpy.types.Scene, baked: bpy.types.Object) -> Beside:

@@ -12,7 +12,7 @@ from collections import OrderedDict
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, cast
+from typing import Any
 
 import bpy
 import numpy as np
@@ -20,6 +20,7 @@ from mathutils.bvhtree import BVHTree
 
 from ...core.arrays import Floats, Ints
 from ..objects import about_matrix
+from ..surfaces import shown_mesh
 from .mesh_checks import FARTHEST
 from .render_contents import read_render
 
@@ -163,12 +164,12 @@ def surfaces_shown(layer: bpy.types.ViewLayer, items: Sequence[bpy.types.Object]
     found = []
     for item in items:
         evaluated = item if layer.depsgraph is None else item.evaluated_get(layer.depsgraph)
-        mesh = cast(Any, evaluated.data)
-        mesh.calc_loop_triangles()
-        position = np.empty((len(mesh.vertices), 3), dtype=np.float32)
-        triangles = np.empty((len(mesh.loop_triangles), 3), dtype=np.int32)
-        mesh.vertices.foreach_get("co", position.ravel())
-        mesh.loop_triangles.foreach_get("vertices", triangles.ravel())
+        with shown_mesh(evaluated) as mesh:
+            mesh.calc_loop_triangles()
+            position = np.empty((len(mesh.vertices), 3), dtype=np.float32)
+            triangles = np.empty((len(mesh.loop_triangles), 3), dtype=np.int32)
+            mesh.vertices.foreach_get("co", position.ravel())
+            mesh.loop_triangles.foreach_get("vertices", triangles.ravel())
         found.append(surface_of(position, triangles, about_matrix(item, layer)))
     return found
 

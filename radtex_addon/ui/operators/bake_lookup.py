@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, cast
 
 import bpy
 
+from ...scene.surfaces import may_have_faces
 from ..settings.chosen_objects import chosen_meshes
 from ..settings.object_settings import settings_for
 
@@ -80,7 +81,7 @@ def has_meshes(operator: type[bpy.types.Operator], context: bpy.types.Context | 
     No selection is needed: scripts and the buttons of jobs name their object.
     """
     layer = context.view_layer if context is not None else None
-    if layer is None or not any(item.type == "MESH" for item in layer.objects):
+    if layer is None or not any(map(may_have_faces, layer.objects)):
         operator.poll_message_set("Bake a mesh object first")
         return False
     return in_object_mode(operator, context)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, cast
 import bpy
 from bpy.props import BoolProperty, EnumProperty, StringProperty
 
+from ...scene.surfaces import may_have_faces
 from ..panel.draw_messages import draw_wrapped
 from ..panel.labels import iface_, remark
 from ..settings.bake_settings import NAMES, BakeSettings
@@ -362,7 +363,7 @@ def can_bake(operator: type[bpy.types.Operator], context: bpy.types.Context | No
     The operator may name another object than those that are chosen, so any mesh in the view layer will do.
     """
     layer = context.view_layer if context is not None else None
-    if layer is None or not any(item.type == "MESH" for item in layer.objects):
+    if layer is None or not any(map(may_have_faces, layer.objects)):
         operator.poll_message_set("Add a mesh object: its radiance texture can be baked")
         return False
     return True

@@ -9,13 +9,11 @@ from dataclasses import dataclass
 
 import bpy
 
+from ...scene.surfaces import may_have_faces
+
 CONVERT = "object.convert"
-_CONVERTED = ("CURVE", "SURFACE", "META", "FONT", "CURVES", "POINTCLOUD")
+_CONVERTED = ("CURVES", "POINTCLOUD")
 _CALLED = {
-    "CURVE": "a curve",
-    "SURFACE": "a surface",
-    "META": "a metaball",
-    "FONT": "a text",
     "CURVES": "hair curves",
     "POINTCLOUD": "a point cloud",
     "VOLUME": "a volume",
@@ -45,13 +43,13 @@ class NotBaked:
 def not_baked(items: Iterable[bpy.types.Object]) -> tuple[NotBaked, ...]:
     """A line for each sort of selected object that is no mesh, with the first one's name."""
     chosen = list(items)
-    others = [item for item in chosen if item.type != "MESH"]
+    others = [item for item in chosen if not may_have_faces(item)]
     convertible = [item for item in others if item.type in _CONVERTED]
     instances = [item for item in others if item.type == "EMPTY" and item.instance_type == "COLLECTION"]
     rest = [item for item in others if item not in convertible and item not in instances]
     found = []
     if convertible:
-        text = f"{_named(convertible)}: meshes alone are baked. Convert it, or a copy of it"
+        text = f"{_named(convertible)}: it has no faces. Convert it, or a copy of it"
         alone = len(others) == len(chosen)  # converting applies the modifiers of all selected meshes
         found.append(NotBaked(text, CONVERT, "Convert to Mesh") if alone else NotBaked(text))
     if instances:

@@ -14,6 +14,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
 from ...scene.mesh.named_regions import places_on
+from ...scene.surfaces import may_have_faces
 from ...settings.choices import parse_kind, parse_layout
 from ...settings.kinds import Kind, Layout, form_in
 from ...settings.option import Option
@@ -74,7 +75,7 @@ def _sort_of_cells(settings: BakeSettings) -> str:
 def places(_: BakeSettings, around: bpy.types.Context, typed: str) -> Iterator[tuple[str, str]]:
     """Search function: the active object's named regions that match `typed`, each with its type."""
     item = around.object
-    if item is not None and item.type == "MESH":
+    if item is not None and may_have_faces(item):
         for name, kind in places_on(item).items():
             if typed.lower() in name.lower():
                 yield name, kind.capitalize()

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import bpy
 from bpy.props import BoolProperty, CollectionProperty, EnumProperty, IntProperty, PointerProperty
 
+from ...scene.surfaces import may_have_faces
 from .update_callbacks import notice
 
 SOURCES = (
@@ -31,8 +32,8 @@ SOURCES = (
 )
 
 
-def _is_mesh(_: Any, item: bpy.types.Object) -> bool:
-    return item.type == "MESH"
+def _has_faces(_: Any, item: bpy.types.Object) -> bool:
+    return may_have_faces(item)
 
 
 class RADTEX_PG_listed(bpy.types.PropertyGroup):
@@ -46,7 +47,7 @@ class RADTEX_PG_listed(bpy.types.PropertyGroup):
             name="Object",
             description="The object to bake",
             type=bpy.types.Object,
-            poll=_is_mesh,
+            poll=_has_faces,
             update=notice,
         )
         use: BoolProperty(
@@ -151,8 +152,8 @@ def nothing_chosen(scene: bpy.types.Scene) -> str:
 
 def selected_meshes(layer: bpy.types.ViewLayer) -> list[bpy.types.Object]:
     """The selected meshes, sorted by name, or else the active one."""
-    found = [item for item in layer.objects.selected if item.type == "MESH"]
+    found = [item for item in layer.objects.selected if may_have_faces(item)]
     active = layer.objects.active
-    if not found and active is not None and active.type == "MESH":
+    if not found and active is not None and may_have_faces(active):
         found = [active]
     return sorted(found, key=lambda item: item.name)

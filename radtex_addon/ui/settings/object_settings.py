@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import bpy
 from bpy.props import BoolProperty
 
+from ...scene.surfaces import may_have_faces
 from .bake_settings import NAMES, BakeSettings
 from .update_callbacks import notice
 
@@ -52,7 +53,7 @@ def owner_of(active: bpy.types.Object | None) -> bpy.types.Object | None:
     """The object whose own settings the panel offers: the active mesh, or the one whose bake it shows."""
     from ...preview.swap import original_of
 
-    found = None if active is None or active.type != "MESH" else original_of(active)
+    found = None if active is None or not may_have_faces(active) else original_of(active)
     return found if found is None or found.library is None else None
 
 
