@@ -6,19 +6,26 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
+import bpy
 import numpy as np
 import pytest
 from scipy.ndimage import binary_dilation
 
 from radtex_addon.bake.progress import finished
+from radtex_addon.core.sampler import Filter
 from radtex_addon.export.exporting import export_steps
 from radtex_addon.export.exporting_scene import export_scene_steps
+from radtex_addon.job import bake_object
+from radtex_addon.settings.spec import BakeSpec
 from radtex_addon.textures.export_spec import ExportSpec, Target
+from tests.blender import stage
 from tests.real.exhibit import CAMERAS, Bake, Exhibit, Form, decibels
 from tests.real.web import Site, save
 
 LEAST = 38.0  # dB
+SPEC = BakeSpec(texels=32, bucket=2, samples=1)
 
 
 @pytest.mark.parametrize("form", Form)
@@ -81,3 +88,58 @@ def test_objects_of_one_atlas_are_shown_each_in_its_place(web: Site, room: list[
         row = [shown.page.evaluate("x => Boolean(radtex.inspect(x, 300))", x) for x in range(10, 790, 10)]
     runs = [met for met, before in zip(row, [False, *row], strict=False) if met and not before]
     assert len(runs) == 2, "the chair, a gap, the table"
+
+
+def test_one_walks_through_a_room(web: Site, tmp_path: Path) -> None:
+    """It begins inside; walls and a block stop one, a double-click stands on the floor, Walk leaves it."""
+    stage.world()
+    bpy.ops.mesh.primitive_cube_add(size=4, location=(0, 0, 1.5))
+    context: Any = bpy.context
+    room = context.object
+    room.data.flip_normals()
+    bpy.ops.mesh.primitive_cube_add(size=0.8, location=(0, 1.5, 0.4))
+    names = []
+    for item, name in ((room, "Walls"), (context.object, "Block")):
+        item.name = name
+        item.data.materials.append(stage.material(name, "ShaderNodeEmission", Strength=0.3))
+        bake_object(context.scene, name, SPEC, tmp_path, preview=Filter.QUADRILINEAR)
+        names.append(tmp_path / f"{name}.radiance.json")
+    finished(export_scene_steps(names, ExportSpec(Target.WEB), "Cell", web.folder / "cell"))
+    with web.opened("cell/", 1000, 700) as shown:
+        shown.wait()
+        page = shown.page
+
+        def eye() -> list[float]:
+            found: list[float] = page.evaluate("radtex.eye()")
+            return found
+
+        def hold(key: str, seconds: float) -> None:
+            page.keyboard.down(key)
+            page.wait_for_timeout(1000 * seconds)
+            page.keyboard.up(key)
+            shown.still()
+
+        floor = -0.5
+        begin = eye()
+        assert max(abs(begin[0]), abs(begin[2])) < 2
+        assert begin[1] == pytest.approx(floor + 1.6, abs=1e-3)
+        assert page.get_by_role("button", name="Walk").get_attribute("aria-pressed") == "true"
+        hold("w", 8)
+        after = eye()
+        assert after != begin
+        assert max(abs(after[0]), abs(after[2])) < 2 - 0.1, "walls stop one"
+        page.keyboard.press("r")
+        shown.still()
+        assert eye() == begin
+        page.mouse.move(200, 350)
+        page.mouse.down()
+        page.mouse.move(200, 150, steps=2)
+        page.mouse.up()
+        page.mouse.dblclick(200, 560)
+        shown.still()
+        stood = eye()
+        assert stood != begin
+        assert stood[1] == pytest.approx(floor + 1.6, abs=1e-3)
+        page.get_by_role("button", name="Walk").click()
+        shown.still()
+        assert np.linalg.norm(eye()) > 4, "outside, around the whole"

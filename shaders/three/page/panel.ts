@@ -52,6 +52,7 @@ export class Panel {
     followLamps(viewer, (act) => this.change(act));
     this.button("compare", () => viewer.setDivider(viewer.divider === null ? viewer.middle : null));
     this.button("turn", () => viewer.setTurning(!viewer.controls.autoRotate));
+    this.button("walk", () => viewer.setWalking(!viewer.walking));
     this.button("reset", () => viewer.resetView());
     this.button("settings", () => document.body.classList.toggle("open"));
     this.button("inspector-close", () => inspector.inspect(null));
@@ -152,6 +153,8 @@ export class Panel {
     this.exposure.value = String(viewer.exposure);
     element("stops").textContent = `${viewer.exposure > 0 ? "+" : ""}${viewer.exposure.toFixed(1)} stops`;
     element("compare").setAttribute("aria-pressed", String(viewer.divider !== null));
+    element("walk").hidden = element("walk-keys").hidden = !viewer.walkable;
+    element("walk").setAttribute("aria-pressed", String(viewer.walking));
     element("turn").setAttribute("aria-pressed", String(viewer.controls.autoRotate));
     element("settings").setAttribute("aria-expanded", String(document.body.classList.contains("open")));
     document.body.classList.toggle("comparing", viewer.divider !== null);
@@ -171,12 +174,18 @@ export class Panel {
   private followPointer(): void {
     const canvas = this.viewer.renderer.domElement;
     let down: PointerEvent | null = null;
+    canvas.addEventListener("dblclick", (event) => this.change(() => this.standAt(event)));
     canvas.addEventListener("pointerdown", (event) => (down = event.isPrimary ? event : null));
     canvas.addEventListener("pointerup", (event) => {
       const still = down && Math.hypot(event.clientX - down.clientX, event.clientY - down.clientY) <= CLICK;
       if (still && event.isPrimary && event.button === 0) this.inspectAt(event.clientX, event.clientY);
       down = null;
     });
+  }
+
+  private standAt(event: MouseEvent): void {
+    const box = this.viewer.renderer.domElement.getBoundingClientRect();
+    if (this.viewer.standAt(event.clientX - box.left, event.clientY - box.top)) this.inspector.inspect(null);
   }
 
   private inspectAt(clientX: number, clientY: number): void {
@@ -225,7 +234,7 @@ export class Panel {
     const inSlider = event.target instanceof HTMLInputElement;
     const arrow = event.key.startsWith("Arrow");
     const pressing = event.target instanceof HTMLButtonElement && (event.key === " " || event.key === "Enter");
-    if ((inSlider && arrow) || pressing) return;
+    if ((inSlider && arrow) || pressing || (this.viewer.walking && arrow)) return;
     const { viewer } = this;
     const filter = viewer.filters[Number(event.key) - 1];
     const next = TONES[(TONES.indexOf(viewer.tone) + 1) % TONES.length] as Tone;
@@ -244,6 +253,7 @@ export class Panel {
       t: () => viewer.setTone(next),
       c: () => viewer.setDivider(viewer.divider === null ? viewer.middle : null),
       r: () => viewer.resetView(),
+      v: () => viewer.setWalking(!viewer.walking),
       m: () => this.mirror.toggle(),
       b: () => this.mirror.toggleMotion(),
       i: () => this.inspectAt(box.left + box.width / 2, box.top + box.height / 2),

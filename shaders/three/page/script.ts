@@ -42,6 +42,10 @@ export interface Script {
   mirror: () => MirrorState | null;
   /** Show it, move it, or have it move by itself; a place ends its own motion. */
   setMirror: (change: Partial<MirrorState>) => void;
+  /** Walk through what is shown, as the button Walk does; false orbits around it again. */
+  walk: (walking: boolean) => void;
+  /** Where the camera is, in the page's world. */
+  eye: () => [number, number, number];
   /** Inspect the point under a place of the canvas, in CSS pixels; null beside the object. */
   inspect: (x: number, y: number) => (Omit<Inspection, "bucket"> & { bucket: string }) | null;
   /** Light alone, without exposure or tone curve; of the flat lightmap if asked. */
@@ -81,6 +85,8 @@ export function scriptOf(page: Promise<[Viewer, Inspector]>): Script {
     samples: () => there().manifest.bake.samples,
     mirror: () => there().mirror?.state ?? null,
     setMirror: (change) => there().setMirror(change),
+    walk: (walking) => there().setWalking(walking),
+    eye: () => there().camera.position.toArray(),
     inspect: (x, y) => {
       inspector?.inspect(there().pick(x, y));
       const inspection = inspector?.inspection;

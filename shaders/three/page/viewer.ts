@@ -32,6 +32,7 @@ import type { RadTexObject } from "../src/radtex_object";
 import type { Sun } from "../src/sun";
 import type { BakeTexture } from "../src/textures";
 import { type Tone, TONE_MAPPINGS, TONES } from "./tones";
+import { type Standpoint, standpointIn, Walk } from "./walking";
 
 /** A point of the surface, in the page's world, and how it lies there. */
 export interface SurfacePoint {
@@ -50,6 +51,9 @@ export interface SurfacePoint {
 }
 
 const FOVY = 35; // degrees
+const WALKING_FOVY = 65; // as one sees more of a room that one stands in
+const WALKABLE = 1.5; // metres: the least radius of what one can be in
+const NEAREST = 0.05; // metres that a walk comes near
 const FILLED = 0.84; // of the free stage, by the first view
 const FIRST_VIEW = new Vector3(0.45, 0.22, 1).normalize(); // Blender's front, a little from the right and above
 
@@ -76,6 +80,8 @@ export class Viewer {
   private before = 0; // when the last frame was, in milliseconds
   private flowing = false; // one frame asks for the next
   private scripted = false;
+  private walk: Walk | null = null;
+  private standpoint: Standpoint | null = null; // once it was asked for
   private covered = { right: 0, bottom: 0 }; // CSS pixels of the stage under cards
 
   constructor(
@@ -212,8 +218,40 @@ export class Viewer {
   }
 
   setTurning(turning: boolean): void {
+    if (this.walk) this.setWalking(false);
     this.controls.autoRotate = turning;
     this.invalidate();
+  }
+
+  /** Whether what is shown is large enough to walk in. */
+  get walkable(): boolean {
+    return this.ball.radius >= WALKABLE && !this.scripted;
+  }
+
+  get walking(): boolean {
+    return this.walk !== null;
+  }
+
+  /** Walk through what is shown, or orbit around it again. */
+  setWalking(walking: boolean): void {
+    if (walking === this.walking || (walking && !this.walkable)) return;
+    this.walk?.end();
+    this.walk = null;
+    this.controls.autoRotate = false;
+    this.controls.enabled = !walking;
+    this.camera.fov = walking ? WALKING_FOVY : FOVY;
+    if (walking) {
+      this.standpoint ??= standpointIn(this.meshes);
+      const again = (): void => this.invalidate();
+      this.walk = new Walk(this.camera, this.meshes, this.standpoint, this.renderer.domElement, again);
+    } else this.lookAround();
+    this.invalidate();
+  }
+
+  /** Walk on from the floor under a place of the canvas, in CSS pixels; whether there is one. */
+  standAt(x: number, y: number): boolean {
+    const point = this.walk && this.pick(x, y);
+    return point ? (this.walk?.stand(point.place, point.normal) ?? false) : false;
   }
 
   /** Keep the object in the middle of what cards leave free, in CSS pixels from the right and the bottom. */
@@ -228,8 +266,17 @@ export class Viewer {
     return (1 - this.covered.right / Math.max(1, this.stage.clientWidth)) / 2;
   }
 
-  /** The whole object, seen from its front. */
+  /** The first view: of a room from inside, of all else as a whole. */
   resetView(): void {
+    if (this.walkable) this.standpoint ??= standpointIn(this.meshes);
+    const indoors = this.walkable && this.standpoint?.indoors === true;
+    if (this.walking) this.setWalking(false);
+    if (indoors) this.setWalking(true);
+    else this.lookAround();
+  }
+
+  /** The whole object, seen from its front. */
+  private lookAround(): void {
     const { clientWidth: width, clientHeight: height } = this.stage;
     const high = Math.tan((FOVY / 2) * (Math.PI / 180));
     const freely = [(width - this.covered.right) / height, (height - this.covered.bottom) / height];
@@ -256,6 +303,7 @@ export class Viewer {
 
   /** Orbit by angles in radians and come nearer by a factor. */
   orbit(across: number, up: number, nearer = 1): void {
+    if (this.walk) return;
     const offset = this.camera.position.clone().sub(this.controls.target);
     const ball = new Spherical().setFromVector3(offset);
     ball.theta += across;
@@ -268,6 +316,8 @@ export class Viewer {
 
   /** A camera of the script's: its matrix in the page's world, row by row, its angle of view, and pixels. */
   setCamera(matrix: number[], fovy: number, width: number, height: number): void {
+    this.walk?.end();
+    this.walk = null;
     this.scripted = true;
     this.controls.enabled = false;
     this.controls.autoRotate = false;
@@ -389,7 +439,8 @@ export class Viewer {
 
   private frame(now: number): void {
     this.scheduled = 0;
-    const moving = this.controls.enabled && this.controls.update(); // which also asks for the next frame
+    // Which also asks for the next frame.
+    const moving = this.walk ? this.walk.advance(now) : this.controls.enabled && this.controls.update();
     const mirroring = this.mirror?.advance(now) ?? false;
     const rate = 1000 / Math.max(1, now - this.before);
     this.before = now;
@@ -406,7 +457,7 @@ export class Viewer {
     const { mirror } = this;
     const out = mirror ? mirror.position.distanceTo(this.ball.center) + mirror.scale.x * 1.01 : 0;
     const radius = Math.max(this.ball.radius, out);
-    this.camera.near = Math.max(radius / 200, (away - radius) * 0.9);
+    this.camera.near = Math.max(this.walk ? NEAREST : radius / 200, (away - radius) * 0.9);
     this.camera.far = (away + radius) * 1.1;
     this.camera.updateProjectionMatrix();
   }
