@@ -96,6 +96,31 @@ def test_lookups_are_nearly_what_they_were(tmp_path: Path, name: str) -> None:
     assert wrong.mean() < 0.06
 
 
+def test_a_lamp_in_an_atlas_does_not_grey_the_others(tmp_path: Path) -> None:
+    """Eight bits of a rest from -1 to 100 would be steps of 0.4, seen on all that is dark."""
+    atlas = made_up_atlas(TEXELS, 64)
+    rest = np.array(atlas.rest)
+    rest[: len(rest) // 16] += 100
+    assert _rest_of(tmp_path / "plain", atlas)[1].format is PixelFormat.BC7
+    file, entry = _rest_of(tmp_path / "lamp", replace(atlas, rest=rest))
+    assert entry.format is HALF
+    assert (entry.scale, entry.offset) == (1, 0)
+    (level,) = texture_of(tmp_path / "lamp", entry).levels
+    stored = level[0].view("<f2").astype(np.float32)[..., :3]
+    shown = read_layered(file)[0].rest
+    np.testing.assert_allclose(
+        np.sort(stored.ravel())[::997], np.sort(shown.ravel())[::997], rtol=1e-3, atol=1e-3
+    )
+
+
+def _rest_of(folder: Path, atlas: LayeredAtlas) -> tuple[SidecarFile, TextureEntry]:
+    """A bake that is written to a folder, and the entry of its exported rest."""
+    folder.mkdir()
+    write_layered(folder / "Vase.radiance.json", atlas, replace(FACTS, width=TEXELS, height=TEXELS))
+    file = SidecarFile.read(folder / "Vase.radiance.json")
+    return file, form_in(file.facts).write_textures(file, ExportSpec(Target.WEB), folder)[REST]
+
+
 def test_shaders_are_told_of_ranges(tmp_path: Path) -> None:
     sidecar, entries = textures_of("everything", tmp_path, ExportSpec(Target.WEB))
     values = exported_facts(SidecarFile.read(sidecar).facts.values, entries)["values"]

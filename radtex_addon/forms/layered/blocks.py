@@ -4,8 +4,9 @@
 
 Light without alpha is BC6H. Colours, and light with alpha, are coded as sRGB, which hardware decodes before
 it filters, in a range of their own: BC7, and what the object shows of itself BC3, as its mask has nothing to
-do with its colours. What may be below 0 is BC7 in a range; single channels are BC4. Buckets are tiles of
-whole blocks (`files.arrangement.tiled`), so that no block joins two cells.
+do with its colours. What may be below 0 is BC7 in a range, unless that is wide, as where a lamp's shade is in
+the atlas; single channels are BC4. Buckets are tiles of whole blocks (`files.arrangement.tiled`), so that no
+block joins two cells.
 """
 
 from __future__ import annotations
@@ -53,6 +54,8 @@ FORMATS = {
 }
 _MAPS = (COLOUR, IRRADIANCE, TINT, NORMAL, WIDTH, ALPHA, THROUGH_COLOUR)
 _BRIGHTEST = 4.0  # of what the object shows of itself: a wider range has coarser steps in the dark
+# Widest ranges in eight bits: with wider ones steps would be seen in what is dark, or all of it be grey.
+_WIDEST = {REST: 4.0, THROUGH_REST: 4.0, PLANE: 16.0, THINGS: 16.0}
 _SHARE_BEYOND = 0.0002  # of the rest's values, beyond either end of its range
 _SEEN = 0.02  # weight of what the object shows of itself, where the mask leaves all free
 
@@ -88,6 +91,11 @@ class Coded:
                 values[..., 3] = level[..., 3]
             found.append(values[: max(1, height >> number), : max(1, width >> number)])
         return tuple(found)
+
+
+def fits_blocks(layer: str, image: Floats) -> bool:
+    """Whether a layer's values (H, W, C) can be coded in blocks without steps that one sees."""
+    return layer not in _WIDEST or _range(layer, image)[0] <= _WIDEST[layer]
 
 
 def coded(layer: str, levels: tuple[Floats, ...]) -> Coded:

@@ -31,11 +31,12 @@ from ...textures.entry import TextureEntry
 from ...textures.export_spec import Arrangement, ExportSpec, ExportStep, ExportTask, TextureFormat
 from ...textures.flat_lightmap import check_surface, even_directions
 from ...textures.texture_files import write_levels, write_ranged
-from .blocks import FORMATS, coded
+from .blocks import FORMATS, coded, fits_blocks
 from .files.arrangement import COLOUR, IRRADIANCE, TINT, WORLD, unpacked
 from .files.layered_files import read_layer, read_layered, read_layered_sidecar
 from .files.sidecar import LayeredSidecar
 from .lookup.atlas import LayeredAtlas, sample_layered
+from .shader_values import CLEAR_ALPHA
 
 _DIRECTIONS = 64  # from which each texel is looked at
 _EACH = 8  # directions between two reports of progress
@@ -141,7 +142,9 @@ def _write_layer(
     if layer in facts.pictures:
         picture = facts.pictures[layer]
         levels = _to_one_texel(unpacked(levels[0], picture.size, picture.levels))
-    if _is_in_blocks(layer, spec):
+    # a shader that decodes colours decodes all of them
+    always = layer in CLEAR_ALPHA and not spec.target.traits.srgb
+    if _is_in_blocks(layer, spec) and (always or fits_blocks(layer, levels[0])):
         return _write_blocks(source, layer, levels, spec, folder)
     if image.shape[2] == 1:  # as grey
         levels = tuple(np.repeat(level, 3, axis=2) for level in levels)
