@@ -251,6 +251,7 @@ READERS: dict[str, str] = {
     "scene/geometry_digests": "reads evaluated objects",
     "scene/mesh/mesh_checks": "what a viewport shows, where it shows the object",
     "scene/mesh/evaluated": "reads the render's depsgraph",
+    "scene/surfaces": "compares places in the depsgraph that lists both",
     "scene/mesh/about_area": "an estimate, of the viewport",
     "scene/block_digests": "where an object is that texture coordinates refer to",
     "scene/camera_place": "the scene's cameras, which every depsgraph evaluates",
