@@ -32,7 +32,7 @@ def is_own_mesh(instance: bpy.types.DepsgraphObjectInstance) -> bool:
 
 @contextmanager
 def shown_mesh(evaluated: bpy.types.Object) -> Iterator[Any]:
-    """The mesh that an evaluated object shows, while the context lasts; an empty one if it has none."""
+    """The mesh that an evaluated object shows, while the context lasts; None if it has none."""
     if isinstance(evaluated.data, bpy.types.Mesh):
         yield evaluated.data
         return
@@ -40,10 +40,7 @@ def shown_mesh(evaluated: bpy.types.Object) -> Iterator[Any]:
         made = evaluated.to_mesh()
     except RuntimeError:  # a metaball whose faces are another one's
         made = None
-    empty = bpy.data.meshes.new("RadTex empty") if made is None else None
     try:
-        yield made or empty
+        yield made
     finally:
         evaluated.to_mesh_clear()
-        if empty is not None:
-            bpy.data.meshes.remove(empty)

@@ -34,7 +34,7 @@ def about_area(item: bpy.types.Object, layer: bpy.types.ViewLayer, uv_layer: str
     """
     found = item if layer.depsgraph is None else item.evaluated_get(layer.depsgraph)
     with shown_mesh(found) as mesh:
-        return _area_of(mesh, found, uv_layer)
+        return AboutArea(0.0) if mesh is None else _area_of(mesh, found, uv_layer)
 
 
 def _area_of(mesh: bpy.types.Mesh, found: bpy.types.Object, uv_layer: str | None) -> AboutArea:

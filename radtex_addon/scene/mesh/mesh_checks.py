@@ -11,7 +11,7 @@ An object needs a size and a place at which Cycles can trace rays: it computes i
 from __future__ import annotations
 
 import logging
-from typing import Any, cast
+from typing import Any
 
 import bpy
 import numpy as np
@@ -21,6 +21,7 @@ from ...core.errors import InputError
 from ...core.islands import areas_on_surface
 from ...core.surface import ray_offset
 from ..checks.refusals import refuse_adaptive_subdivision, refuse_displacement
+from ..surfaces import shown_mesh
 
 log = logging.getLogger(__name__)
 
@@ -109,8 +110,11 @@ def check_shown(scene: bpy.types.Scene, layer: bpy.types.ViewLayer, item: bpy.ty
     shown = item.evaluated_get(layer.depsgraph)
     matrix = np.array(shown.matrix_world, dtype=np.float64)
     check_matrix(item.name, matrix)
-    if mesh is not None and not any(_may_differ(modifier) for modifier in item.modifiers):
-        _check_mesh(item.name, cast(bpy.types.Mesh, shown.data), matrix)
+    if not any(_may_differ(modifier) for modifier in item.modifiers):
+        with shown_mesh(shown) as made:
+            if made is None:
+                raise no_faces(item.name)
+            _check_mesh(item.name, made, matrix)
 
 
 def _check_mesh(name: str, mesh: bpy.types.Mesh, matrix: Floats) -> None:

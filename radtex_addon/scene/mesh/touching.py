@@ -161,10 +161,13 @@ def surfaces_shown(layer: bpy.types.ViewLayer, items: Sequence[bpy.types.Object]
 
     Objects that are hidden in the viewport count without modifiers and constraints.
     """
-    found = []
+    found: list[Surface | None] = []
     for item in items:
         evaluated = item if layer.depsgraph is None else item.evaluated_get(layer.depsgraph)
         with shown_mesh(evaluated) as mesh:
+            if mesh is None:
+                found.append(None)
+                continue
             mesh.calc_loop_triangles()
             position = np.empty((len(mesh.vertices), 3), dtype=np.float32)
             triangles = np.empty((len(mesh.loop_triangles), 3), dtype=np.int32)
