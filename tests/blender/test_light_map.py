@@ -114,6 +114,16 @@ def test_a_gutter_shows_a_denoiser_what_lies_beyond_the_seam() -> None:
     assert (plan.texel[shown] // 8 == np.arange(8)[:, None]).all()
 
 
+def test_a_gutter_beside_nothing_shows_its_island_mirrored() -> None:
+    """The rim's texel over and over would be a streak of one noise, which a denoiser takes for an edge."""
+    row, column = np.divmod(np.arange(64), 8)
+    row, column = row[column < 4], column[column < 4]
+    plan = plan_of(column, row, np.stack([column, row, 0 * row], axis=1))
+    shown = plan.texel[texels_shown(plan)]
+    assert (shown % 8).tolist() == [[0, 1, 2, 3, 3, 2, 1, 0]] * 8
+    assert (shown // 8 == np.arange(8)[:, None]).all()
+
+
 def test_what_is_denoised_counts_where_it_takes_noise_away() -> None:
     plan = halves_and_seam()
     neighbours, count = Neighbours(plan), len(plan.texel)

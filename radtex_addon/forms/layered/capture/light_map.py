@@ -190,25 +190,27 @@ def _windows(height: int, width: int) -> Iterator[tuple[tuple[slice, slice], tup
 def texels_shown(plan: CapturePlan) -> Ints:
     """Which of the plan's texels each texel of the atlas shows to a denoiser: (H, W).
 
-    A gutter shows the nearest texel, but beside a seam, across which the surface goes on smoothly, those that
-    lie beyond it.
+    A gutter shows its island mirrored at the rim: the rim's texel over and over would be a streak of one
+    noise, which denoisers keep. But beside a seam, across which the surface goes on smoothly, it shows those
+    that lie beyond it.
     """
     height, width = plan.layout.height, plan.layout.width
     number = np.full((height, width), -1, dtype=np.int64)
     number.ravel()[plan.texel] = np.arange(len(plan.texel))
     rows, columns = nearest_covered(number >= 0)
-    shown: Ints = number[rows, columns]
+    nearest: Ints = number[rows, columns]
     place, normal = plan.points.astype(np.float64), plan.normals
     steps = [_step(number, plan, place, down) for down in (True, False)]
     lengths = np.linalg.norm(steps, axis=2)
     if not lengths.any():
-        return shown
+        return nearest
     usual = float(np.median(lengths[lengths > 0]))
+    shown = _mirrored(number, rows, columns, place, _ONE_ISLAND * usual)
     j, i = np.nonzero(number < 0)
     away = np.stack([j - rows[j, i], i - columns[j, i]])
     near = (np.abs(away) <= _BEYOND).all(axis=0)
     j, i, away = j[near], i[near], away[:, near]
-    own = shown[j, i]
+    own = nearest[j, i]
     beyond = place[own] + sum(
         part[:, None] * np.where(lengths[axis][own, None] <= _ONE_ISLAND * usual, steps[axis][own], 0)
         for axis, part in enumerate(away)
@@ -222,6 +224,23 @@ def texels_shown(plan: CapturePlan) -> Ints:
         if apart <= usual and normal[met] @ normal[of] > _SMOOTH:
             shown[row, column] = met
     return shown
+
+
+def _mirrored(number: Ints, rows: Ints, columns: Ints, place: Floats, apart: float) -> Ints:
+    """The numbers (H, W) of texels with islands mirrored at their rims, whose texels are `rows`, `columns`.
+
+    Where the mirrored texel is another island's, or none, the rim's. Neighbours are at most so far `apart`.
+    """
+    height, width = number.shape
+    j, i = np.indices(number.shape)
+    away = np.stack([j - rows, i - columns])
+    steps = np.abs(away).max(axis=0)
+    inwards = np.rint(away * (np.maximum(steps - 1, 0) / np.maximum(steps, 1))).astype(np.int64)
+    row, column = np.clip(rows - inwards[0], 0, height - 1), np.clip(columns - inwards[1], 0, width - 1)
+    rim, found = number[rows, columns], number[row, column]
+    far = np.linalg.norm(place[np.maximum(found, 0)] - place[rim], axis=2)
+    kept: Ints = np.where((found >= 0) & (far <= apart * np.maximum(steps, 1)), found, rim)
+    return kept
 
 
 def _step(number: Ints, plan: CapturePlan, place: Floats, down: bool) -> Floats:
