@@ -19,6 +19,7 @@ from typing import Any, cast
 import bpy
 
 from radtex_addon.report.finished_bake import find_bakes_of_all, read_bake
+from radtex_addon.scene.surfaces import shown_mesh
 from tests.real.exhibit import ROOT
 
 from ..assets import drawn
@@ -138,5 +139,6 @@ def written(parts: list[Part]) -> Written:
     for part in parts:
         item: Any = bpy.data.objects[part.name]
         graph = bpy.context.evaluated_depsgraph_get()
-        calls += len({face.material_index for face in item.evaluated_get(graph).data.polygons})
+        with shown_mesh(item.evaluated_get(graph)) as mesh:  # of curves and texts, too
+            calls += len({face.material_index for face in mesh.polygons})
     return Written(size / 1e6, len(bakes), calls)
