@@ -168,9 +168,8 @@ def _preview_of(
 ) -> PreviewOf:
     clear = spec.kind.traits.looks_at_surface and scene.render.film_transparent
     closed = clear and all(is_closed(piece.mesh) for piece in prepared.pieces)
-    doubled = any(
-        twin_numbers(piece.mesh) is not None for piece in prepared.pieces
-    )  # backs are faces too, or clear
+    # backs are faces of their own, or clear
+    doubled = any(twin_numbers(piece.mesh) is not None for piece in prepared.pieces)
     hull = spec.kind.traits.content or closed or doubled  # only fronts are shown
     sidecar = files.sidecar.absolute()
     return PreviewOf(title, spec, sidecar, prepared.uv_layer, scene, preview, hull)

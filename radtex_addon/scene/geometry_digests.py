@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterator
-from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -22,11 +21,11 @@ from ..core.arrays import Floats
 from ..core.near_digest import DIGEST, NearDigest, NearHash, hash_of
 from .block_digests import block_settings, file_digest, setting
 from .mesh.attribute_arrays import PLACES, bulk, stored_arrays
+from .surfaces import MADE_TO_MESHES, shown_mesh
 
 if TYPE_CHECKING:
     from .mesh.evaluated import EvaluatedMesh
 
-_MADE_OF_MESH = {"CURVE", "FONT", "META", "SURFACE"}  # object types that Cycles converts to meshes
 _DEPTH = 5  # levels of settings within settings: geometry nodes have their inputs on the fourth
 _WEIGHED = 200_000  # vertices: the weights of more are not read, as each is read by itself
 _READ_ONLY = frozenset(("type", "vertex_indices"))  # the read-only properties that tell something
@@ -126,13 +125,10 @@ class Geometry:
         if isinstance(data, bpy.types.Volume):
             path = Path(bpy.path.abspath(data.filepath, library=data.library))
             return NearDigest(hashlib.sha256(file_digest(path).encode()).hexdigest())
-        if item.type not in _MADE_OF_MESH or isinstance(data, bpy.types.Mesh):
+        if item.type not in MADE_TO_MESHES:
             return self._digest(item, data)
-        with suppress(RuntimeError):  # no mesh, as for a metaball that belongs to another object
-            made = self._digest(item, item.to_mesh())
-            item.to_mesh_clear()
-            return made
-        return NearDigest(hashlib.sha256().hexdigest())
+        with shown_mesh(item) as mesh:
+            return NearDigest(hashlib.sha256().hexdigest()) if mesh is None else self._digest(item, mesh)
 
     def _digest(self, item: bpy.types.Object, data: Any) -> NearDigest:
         exact, nears, shown = hashlib.sha256(), self._by_outcome or is_made(item), []

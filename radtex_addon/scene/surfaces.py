@@ -10,8 +10,8 @@ from typing import Any
 
 import bpy
 
-_MADE_TO_MESHES = frozenset({"CURVE", "SURFACE", "FONT", "META"})
-_SURFACES = _MADE_TO_MESHES | {"MESH"}
+MADE_TO_MESHES = frozenset({"CURVE", "SURFACE", "FONT", "META"})  # types; renders list their meshes, too
+_SURFACES = MADE_TO_MESHES | {"MESH"}
 
 
 def may_have_faces(item: bpy.types.Object) -> bool:
@@ -25,7 +25,7 @@ def is_own_mesh(instance: bpy.types.DepsgraphObjectInstance) -> bool:
     A depsgraph lists it as an instance of the object, beside that.
     """
     owner, item = instance.parent, instance.object
-    if not instance.is_instance or owner is None or item is None or owner.type not in _MADE_TO_MESHES:
+    if not instance.is_instance or owner is None or item is None or owner.type not in MADE_TO_MESHES:
         return False
     return item.original == owner.original and instance.matrix_world == owner.matrix_world
 

@@ -143,3 +143,18 @@ def test_one_walks_through_a_room(web: Site, tmp_path: Path) -> None:
         page.get_by_role("button", name="Walk").click()
         shown.still()
         assert np.linalg.norm(eye()) > 4, "outside, around the whole"
+
+
+def test_one_does_not_begin_inside_what_is_solid(web: Site, tmp_path: Path) -> None:
+    stage.world()
+    bpy.ops.mesh.primitive_cube_add(size=4)
+    context: Any = bpy.context
+    context.object.name = "Solid"
+    context.object.data.materials.append(stage.material("Solid", "ShaderNodeEmission", Strength=0.3))
+    sidecar = tmp_path / "Solid.radiance.json"
+    bake_object(context.scene, "Solid", SPEC, tmp_path, preview=Filter.QUADRILINEAR)
+    finished(export_steps(sidecar, ExportSpec(Target.WEB), web.folder / "solid"))
+    with web.opened("solid/", 1000, 700) as shown:
+        shown.wait()
+        assert shown.page.get_by_role("button", name="Walk").get_attribute("aria-pressed") == "false"
+        assert np.linalg.norm(shown.page.evaluate("radtex.eye()")) > 4

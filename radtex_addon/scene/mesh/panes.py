@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from math import sqrt
 from typing import Any, TypeAlias, cast
 
@@ -21,6 +22,7 @@ from mathutils.bvhtree import BVHTree
 
 from ...core.arrays import Floats, Ints
 from ...core.frame import normalised
+from ...core.islands import surface_areas
 from ..checks.see_through import fills_volume, source_of, value_at
 from ..nodes import NodeBuilder, operand_of
 from .evaluated import EvaluatedMesh
@@ -129,17 +131,14 @@ class _Glass:
         place = mesh.world_position
         corners = place[triangles]
         a, b, c = corners.transpose(1, 0, 2)
-        across = np.cross(b - a, c - a)
-        normals = across / np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-30)
+        normals = normalised(np.cross(b - a, c - a))
         own = np.array([one == material for one in mesh.materials])[mesh.material_index]
         return cls(triangle_tree(place, triangles), corners, normals, np.flatnonzero(own))
 
-    @property
+    @cached_property
     def areas(self) -> Floats:
         """Of its faces, (F',)."""
-        a, b, c = self.corners[self.faces].transpose(1, 0, 2)
-        found: Floats = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
-        return found
+        return surface_areas(self.corners[self.faces])
 
     def through(self) -> tuple[Floats, Floats, float]:
         """Rays along the normals of places on it that leave by a parallel face near by, and meet no more.

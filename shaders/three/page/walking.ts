@@ -181,17 +181,20 @@ export function standpointIn(meshes: readonly Mesh[]): Standpoint {
     const x = box.min.x + ((Math.floor(place / TRIED) + 1) / (TRIED + 1)) * size.x;
     const z = box.min.z + (((place % TRIED) + 1) / (TRIED + 1)) * size.z;
     const below = firstMet(caster, meshes, new Vector3(x, middle.y, z), DOWN, size.y);
-    if (!below || below.normal.y < LEVEL) continue;
+    if (!below?.front || below.normal.y < LEVEL) continue; // or inside something solid
     const chest = below.place.clone().setY(below.place.y + CHEST);
     const free = WAYS.map((way) => firstMet(caster, meshes, chest, way, far)?.far ?? far);
     const open = Math.min(OPEN, ...free) + 1e-3 * Math.max(...free);
     if (open <= best) continue;
     best = open;
     const eyes = at(x, below.place.y, z);
-    const seen = WAYS.map((way) => firstMet(caster, meshes, eyes, way, far)?.far ?? 0);
+    const seen = WAYS.map((way) => {
+      const met = firstMet(caster, meshes, eyes, way, far);
+      return met?.front ? met.far : 0;
+    });
     const longest = WAYS[seen.indexOf(Math.max(...seen))] as Vector3;
     const walls = seen.filter((length) => length > 0).length;
-    const indoors = walls >= WALLS * WAYS.length && firstMet(caster, meshes, eyes, UP, far) !== null;
+    const indoors = walls >= WALLS * WAYS.length && firstMet(caster, meshes, eyes, UP, far)?.front === true;
     found = { eyes, floor: below.place.y, across: Math.atan2(-longest.x, -longest.z), indoors };
   }
   return found;
@@ -201,6 +204,8 @@ interface Met {
   place: Vector3;
   normal: Vector3;
   far: number;
+  /** Whether it is met from its front. */
+  front: boolean;
 }
 
 /** What a ray of some length meets first; the normal faces where it comes from. */
@@ -210,5 +215,6 @@ function firstMet(caster: Raycaster, meshes: readonly Mesh[], from: Vector3, way
   const [hit] = caster.intersectObjects<Mesh>([...meshes], false);
   if (!hit?.face) return null;
   const normal = hit.face.normal.clone().transformDirection(hit.object.matrixWorld);
-  return { place: hit.point, normal: normal.dot(way) > 0 ? normal.negate() : normal, far: hit.distance };
+  const front = normal.dot(way) < 0;
+  return { place: hit.point, normal: front ? normal : normal.negate(), far: hit.distance, front };
 }

@@ -83,7 +83,7 @@ def hidden_lamps(
         turn = np.linalg.inv(between.matrix)
         start = sights.start @ turn[:3, :3].T + turn[:3, 3]
         along = sights.along @ turn[:3, :3].T
-        for ray in np.flatnonzero(~blocked & shadowed[sights.lamp]):
+        for ray in np.flatnonzero(~blocked & between.rays & shadowed[sights.lamp]):
             length = float(np.linalg.norm(along[ray]))
             met = trees[between.shape].ray_cast(Vector(start[ray]), Vector(along[ray] / length), length)
             blocked[ray] = met[0] is not None
@@ -94,11 +94,12 @@ def hidden_lamps(
 
 @dataclass(frozen=True, eq=False)
 class _Between:
-    """Faces in the rays' way: their `shape`, its `matrix` (4, 4) to the world, and whose they are."""
+    """Faces in the way of `rays` (R,): whose they are, their `shape`, its `matrix` (4, 4) to the world."""
 
     owner: bpy.types.Object
     shape: Shape
     matrix: Floats
+    rays: Bools
 
 
 def _between(
@@ -111,11 +112,12 @@ def _between(
         corners = one.bounds
         if not (np.abs(corners) < FARTHEST).all() or abs(np.linalg.det(one.matrix[:3, :3])) < _LEAST**3:
             continue
-        if not _pass(sights, corners.min(axis=0), corners.max(axis=0)).any():
+        passing = _pass(sights, corners.min(axis=0), corners.max(axis=0))
+        if not passing.any():
             continue
         shape = one.shape_without(_lets_through) if is_clear(one.original) else one.shape
         if shape is not None:
-            yield _Between(one.owner, shape, one.matrix)
+            yield _Between(one.owner, shape, one.matrix, passing)
 
 
 def _lets_through(material: bpy.types.Material) -> bool:

@@ -30,6 +30,7 @@ from ....scene.mesh.render_contents import Shape, Shown, read_render
 from ....scene.objects import is_rendered
 from ....scene.regroup import regroup
 from ....scene.scratch import find_view_layer, scene_copied
+from ....scene.surfaces import MADE_TO_MESHES
 from ....settings.rays import NEAR_SAMPLES, NEAR_WIDTH, ROOM_SAMPLES, WORLD_WIDTH
 from ..cells import PICTURE_SIZE
 from ..lookup.environment import Impostor, Pictures, Plane, Shell, SurroundingLayer
@@ -48,8 +49,7 @@ _ALL = slice(None)
 _FINE = 0.03  # radians: a lobe this wide still needs pictures of the usual size
 _COARSEST = 0.25  # share of the usual size
 _UP = np.array([0.0, 0.0, 1.0])
-_COME_AS_MESHES = frozenset({"CURVE", "SURFACE", "FONT", "META"})  # renders list their meshes, too
-NO_SURFACE = _COME_AS_MESHES | {"LIGHT", "LIGHT_PROBE", "CAMERA", "SPEAKER", "EMPTY", "ARMATURE", "LATTICE"}
+NO_SURFACE = MADE_TO_MESHES | {"LIGHT", "LIGHT_PROBE", "CAMERA", "SPEAKER", "EMPTY", "ARMATURE", "LATTICE"}
 
 
 @dataclass(frozen=True, eq=False)
