@@ -11,7 +11,7 @@ from ..formats.fingerprint import Fingerprint, fingerprint_in
 from ..formats.sidecar_file import read_facts
 from ..preview.swap import previews_not_rendered
 from ..scene.digests import SceneDigests, read_scene
-from ..scene.scratch import find_view_layer, scratch_scene
+from ..scene.scratch import scratch_scene
 from ..settings.spec import BakeSpec
 from ..store.output_files import OutputFiles
 
@@ -35,10 +35,10 @@ def read_originals(scratch: bpy.types.Scene) -> SceneDigests:
 
 
 def fingerprint_of_bake(
-    scratch: bpy.types.Scene, name: str, spec: BakeSpec, files: OutputFiles
+    now: SceneDigests, layer: bpy.types.ViewLayer, name: str, spec: BakeSpec, files: OutputFiles
 ) -> Fingerprint | None:
-    """The fingerprint of an atlas that a bake of the scratch scene makes, or adds to; None if not known."""
-    found = read_originals(scratch).of_bake(name, spec, find_view_layer(scratch, None))
+    """The fingerprint of an atlas that a bake of a scene makes `now`, or adds to; None if not known."""
+    found = now.of_bake(name, spec, layer)
     if not spec.incremental:
         return found
     return found.folded_onto(_earlier(files), everywhere=spec.refresh and spec.where is None)

@@ -46,7 +46,7 @@ from ..store.bake_folder import BakeFolder
 from ..store.output_files import BakeOutput, OutputFiles
 from ..store.ownership import Overwrite, open_blend
 from ..textures.export_spec import ExportSpec, ExportStep, Target
-from .bake_fingerprint import fingerprint_of_bake
+from .bake_fingerprint import fingerprint_of_bake, read_originals
 from .checks import check_request, check_seen
 from .previews import save_preview_of
 from .split_parts import check_part
@@ -269,9 +269,11 @@ def bake_unchecked(
         prepared = yield from watch.over(
             prepare(scratch, originals, spec, kept, store, unwraps, name, spec.form.backs)
         )
+        now, layer = read_originals(scratch), find_view_layer(scratch, None)
         prepared = replace(
             prepared,
-            fingerprint=fingerprint_of_bake(scratch, name, spec, files),
+            fingerprint=fingerprint_of_bake(now, layer, name, spec, files),
+            scene="" if spec.lights or spec.alone else f"{now.whole} {device}",
             blend=(open_blend() if blend is None else blend).name,
         )
         check_readable(prepared.facts(spec))

@@ -103,8 +103,9 @@ class Prepared:
     each other. With a `source`, the points to capture lie on that, the `detailed` object; its mesh `shown`,
     which renders as it does, is made for forms by paths alone. `chosen` (F,) marks the surface's triangles
     that the specification selects, None if it selects none. The `fingerprint` tells what is baked, None if
-    that was not read. `blend` is the name of the .blend that is baked, empty if it was never saved. `panes`:
-    which materials of each piece make flat panes; empty where none can be.
+    that was not read. `scene` is a digest of all that is rendered around it, empty where that is not known.
+    `blend` is the name of the .blend that is baked, empty if it was never saved. `panes`: which materials of
+    each piece make flat panes; empty where none can be.
     """
 
     name: str
@@ -126,6 +127,7 @@ class Prepared:
     detailed: Detailed | None = None
     shown: bpy.types.Mesh | None = None
     fingerprint: Fingerprint | None = None
+    scene: str = ""
     blend: str = ""
     panes: tuple[Panes, ...] = ()
 

@@ -139,6 +139,12 @@ class SceneDigests:
     rendering: str
     camera: str
 
+    @property
+    def whole(self) -> str:
+        """A digest of all that is rendered, whatever sees it."""
+        objects = sorted(f"{each.of} {each.whole}" for each in self.objects)
+        return digest_of((*objects, self.world, self.rendering))
+
     def of_bake(self, name: str, spec: BakeSpec, layer: bpy.types.ViewLayer) -> Fingerprint:
         """The fingerprint of a bake called `name`; lamps are those of the view layer.
 

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from radtex_addon.bake.progress import finished
+from radtex_addon.forms.layered.capture import panoramas
 from radtex_addon.forms.layered.capture.capturing import capture_layered
 from radtex_addon.forms.layered.capture.room import Room, find_room
 from radtex_addon.forms.layered.files.layered_files import read_layered_sidecar
@@ -157,6 +158,31 @@ def test_more_light_goes_on_in_the_same_room(room: None, out: Path) -> None:
     more = BakeSpec(layout=Layout.LAYERED, texels=64, samples=1, objects=SIDES, accumulate=True)
     assert _planes(bake_object(context.scene, "Room", more, out).files.sidecar) == planes
     assert len(planes) == 6
+
+
+def test_bakes_of_one_room_share_its_picture_and_have_the_bits_of_bakes_alone(
+    room: None, tmp_path: Path
+) -> None:
+    def baked(folder: str, *names: str) -> tuple[int, list[bytes]]:
+        spec = BakeSpec(layout=Layout.LAYERED, texels=32, samples=1, objects=names if len(names) > 1 else ())
+        made = bake_object(context.scene, names[0], spec, tmp_path / folder)
+        return made.paths, [
+            path.read_bytes() for path in sorted(made.files.sidecar.parent.glob(f"{names[0]}.*"))
+        ]
+
+    gloss = bpy.data.objects["Cupboard"].data.materials[0].node_tree.nodes[0].inputs["Roughness"]
+    gloss.default_value = 0.2  # as sharp a picture as for the floor
+    panoramas._PICTURES.clear()
+    alone, files = baked("alone", "Cupboard")
+    gloss.default_value = 0.1
+    assert baked("changed", "Cupboard")[0] == alone, "of another scene, no picture is taken"
+    gloss.default_value = 0.2
+    panoramas._PICTURES.clear()
+    baked("together", *SIDES, "Picture")
+    after, same = baked("together", "Cupboard")
+    assert len(panoramas._PICTURES) == 1
+    assert after < 0.5 * alone
+    assert same == files
 
 
 def _planes(path: Path) -> list[Any]:

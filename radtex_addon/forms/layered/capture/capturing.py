@@ -360,7 +360,17 @@ class _Captures:
             with scene_copied(self.scratch) as copy:
                 lamps = find_lamps(copy, baked, plan, middle, self.folder, room)
             with scene_copied(self.scratch) as copy:
-                seen = look_around(copy, unseen, middle, radius, self.folder, self.spec.seed, share, room)
+                seen = look_around(
+                    copy,
+                    unseen,
+                    middle,
+                    radius,
+                    self.folder,
+                    self.spec.seed,
+                    share,
+                    room,
+                    self.prepared.scene,
+                )
             around = Around(middle, seen.world, seen.layers, lamps)
             return arrays_of(around) | {"paths": np.array([seen.paths], dtype=np.int64)}
 

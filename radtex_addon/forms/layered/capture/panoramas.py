@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import logging
 import math
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Hashable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -49,7 +49,11 @@ _ALL = slice(None)
 _FINE = 0.03  # radians: a lobe this wide still needs pictures of the usual size
 _COARSEST = 0.25  # share of the usual size
 _UP = np.array([0.0, 0.0, 1.0])
+_KEPT = 4  # pictures of rooms, of 6 MB each
 NO_SURFACE = MADE_TO_MESHES | {"LIGHT", "LIGHT_PROBE", "CAMERA", "SPEAKER", "EMPTY", "ARMATURE", "LATTICE"}
+
+
+_PICTURES: dict[Hashable, Pictures] = {}  # of rooms, by all that they depend on
 
 
 @dataclass(frozen=True, eq=False)
@@ -197,6 +201,7 @@ def look_around(
     seed: int,
     share: float = 1.0,
     room: Room | None = None,
+    known_as: str = "",
 ) -> Panoramas:
     """Render the panoramas of a scratch scene, which is spent, without its `subjects`, which are baked.
 
@@ -205,7 +210,9 @@ def look_around(
     `share` of the usual.
 
     Only what a layer can show is rendered of its panorama: of a plane what lies below its horizon, of other
-    things a rectangle around them. Raises BakeError where Cycles fails.
+    things a rectangle around them. A room's picture is rendered once for all bakes of this process that are
+    `known_as` of one scene, by a digest of all that it renders; "": of none. Raises BakeError where Cycles
+    fails.
     """
     world_width, near_width, size = (int(share * side) for side in (WORLD_WIDTH, NEAR_WIDTH, PICTURE_SIZE))
     near = near_things(scene, subjects, room)
@@ -215,29 +222,73 @@ def look_around(
         distant = _Camera(bare, middle, radius, folder, seed)
         seen = distant.render(world_width, 1)
     world = Pictures.of(panorama_directions(world_width), seen["Combined"][..., :3], size)
-    layers, homes = [], _group(scene, near)
-    camera = _Camera(scene, middle, radius, folder, seed)
-    scene.render.film_transparent = True
-    with as_glossy_rays_see(scene), materials_in_reflections(), _unlinked_dark(scene, subjects):
-        for things, home in zip(near, homes, strict=True):
-            for other in homes:
-                other.indirect_only = other != home
-            if things.room is not None:
-                layer = _shell_layer(camera, near_width, things.room.shell(middle), middle, size)
-            elif things.plane is not None:
-                plane = _seen_from_above(*things.plane, middle, radius)
-                camera.place(middle + plane.eye, plane.normal)
-                layer = _plane_layer(camera, near_width, plane, size)
-            else:
-                eye = None if room is None else room.furniture_eye
-                found = _impostor(camera, near_width, middle, eye, size)
-                if found is not None and room is not None:
-                    boxes, shell = room.boxes_of(things.objects, middle), room.shell(middle)
-                    found = found[0], replace(found[1], boxes=boxes, shell=shell)
-                layer = None if found is None else SurroundingLayer(*found)
-            if layer is not None:
-                layers.append(layer)
-    return Panoramas(world, tuple(layers), distant.paths + camera.paths)
+    layers, paths = [], distant.paths
+    with materials_in_reflections(), _unlinked_dark(scene, subjects) as linked:
+        look = _Look(scene, middle, radius, folder, seed, near_width, size, "" if linked else known_as)
+        for things in near:
+            found, traced = look.at(things, room)
+            paths += traced
+            if found is not None:
+                layers.append(found)
+    return Panoramas(world, tuple(layers), paths)
+
+
+@dataclass(frozen=True, eq=False)
+class _Look:
+    """How panoramas of near things are rendered: see `look_around`; pictures are of `width` and `size`."""
+
+    scene: bpy.types.Scene
+    middle: Floats
+    radius: float
+    folder: Path
+    seed: int
+    width: int
+    size: int
+    known_as: str
+
+    def at(self, things: Near, room: Room | None) -> tuple[SurroundingLayer | None, int]:
+        """The layer of near things, None if nothing is seen of them, and how many paths that took."""
+        if things.room is not None:
+            return self._known(things, things.room.shell(self.middle))
+        with self._camera(things, self.radius) as camera:
+            if things.plane is not None:
+                plane = _seen_from_above(*things.plane, self.middle, self.radius)
+                camera.place(self.middle + plane.eye, plane.normal)
+                return _plane_layer(camera, self.width, plane, self.size), camera.paths
+            eye = None if room is None else room.furniture_eye
+            found = _impostor(camera, self.width, self.middle, eye, self.size)
+            if found is None:
+                return None, camera.paths
+            pictures, shape = found
+            if room is not None:
+                boxes, shell = room.boxes_of(things.objects, self.middle), room.shell(self.middle)
+                shape = replace(shape, boxes=boxes, shell=shell)
+            return SurroundingLayer(pictures, shape), camera.paths
+
+    def _known(self, things: Near, shell: Shell) -> tuple[SurroundingLayer | None, int]:
+        """The layer of a room's `shell`, with the picture of an earlier bake of the scene if there is one."""
+        room = cast(Room, things.room)
+        names = sorted(item.name_full for item in things.objects)
+        key = (self.known_as, *names, room.eye.tobytes(), self.seed, self.width, self.size)
+        pictures = _PICTURES.get(key) if self.known_as else None
+        if pictures is not None:
+            return SurroundingLayer(pictures, shell), 0
+        with self._camera(things, room.size) as camera:
+            pictures = _room_picture(camera, self.width, room.eye, self.size)
+        if pictures is None:
+            return None, camera.paths
+        while len(_PICTURES) >= _KEPT:
+            del _PICTURES[next(iter(_PICTURES))]
+        _PICTURES[key] = pictures
+        return SurroundingLayer(pictures, shell), camera.paths
+
+    @contextmanager
+    def _camera(self, things: Near, radius: float) -> Iterator[_Camera]:
+        """A camera that sees near things alone, lit by all others, as glossy rays do."""
+        with scene_copied(self.scene) as copy, as_glossy_rays_see(copy):
+            _show_alone(copy, things.objects)
+            copy.render.film_transparent = True
+            yield _Camera(copy, self.middle, radius, self.folder, self.seed)
 
 
 def _plane_layer(camera: _Camera, width: int, plane: Plane, size: int) -> SurroundingLayer | None:
@@ -250,15 +301,11 @@ def _plane_layer(camera: _Camera, width: int, plane: Plane, size: int) -> Surrou
     return SurroundingLayer(Pictures.of(*_with_mirror_image(plane, direction, light), size), plane)
 
 
-def _shell_layer(
-    camera: _Camera, width: int, shell: Shell, middle: Floats, size: int
-) -> SurroundingLayer | None:
+def _room_picture(camera: _Camera, width: int, eye: Floats, size: int) -> Pictures | None:
     """The picture of what lies on a room's planes, and beyond them; None if nothing is seen of it."""
-    camera.place(middle + shell.eye)
+    camera.place(eye)
     light = camera.render(width, ROOM_SAMPLES, denoise=True)["Combined"]
-    if not light[..., 3].any():
-        return None
-    return SurroundingLayer(Pictures.of(camera.directions(width), light, size), shell)
+    return Pictures.of(camera.directions(width), light, size) if light[..., 3].any() else None
 
 
 def _impostor(
@@ -293,10 +340,11 @@ def _around(some: Ints, count: int) -> slice:
 
 
 @contextmanager
-def _unlinked_dark(scene: bpy.types.Scene, subjects: Collection[bpy.types.Object]) -> Iterator[None]:
+def _unlinked_dark(scene: bpy.types.Scene, subjects: Collection[bpy.types.Object]) -> Iterator[bool]:
     """Hide from cameras the emission of objects that by light linking do not light all subjects.
 
-    Cycles does not show it to them, in mirrors either. The slots have their own materials again at the end.
+    Cycles does not show it to them, in mirrors either. Yields whether any is hidden. The slots have their own
+    materials again at the end.
     """
 
     def unlinked(shown: Iterator[Shown]) -> set[bpy.types.Object]:
@@ -314,26 +362,27 @@ def _unlinked_dark(scene: bpy.types.Scene, subjects: Collection[bpy.types.Object
     try:
         for slot, material in zip(slots, before, strict=True):
             slot.material = dark_to_cameras(material)
-        yield
+        yield bool(slots)
     finally:
         for slot, material in zip(slots, before, strict=True):
             slot.material = material
 
 
-def _group(scene: bpy.types.Scene, near: Sequence[Near]) -> list[bpy.types.LayerCollection]:
-    """Sort a scratch scene's objects by their layers: the layers' settings. The camera sees nothing else."""
+def _show_alone(scene: bpy.types.Scene, objects: Collection[bpy.types.Object]) -> None:
+    """Let the camera of a scratch scene see some objects alone, with all the light that others send."""
     layer, every = find_view_layer(scene, None), list(scene.objects)
     rendered = {item for item in every if is_rendered(item, layer)}
-    seen = frozenset[bpy.types.Object]().union(*(things.objects for things in near))
-    titles = [f"RadTex near {number}" for number in range(len(near))]
-    rest: dict[str, Collection[bpy.types.Object]] = {
-        "RadTex rest": rendered - seen,
-        "RadTex hidden": set(every) - rendered - seen,
-    }
-    groups = regroup(scene, rest | dict(zip(titles, (things.objects for things in near), strict=True)))
+    seen = frozenset(objects)
+    groups = regroup(
+        scene,
+        {
+            "RadTex rest": rendered - seen,
+            "RadTex hidden": set(every) - rendered - seen,
+            "RadTex near": seen,
+        },
+    )
     groups["RadTex rest"].indirect_only = True
     groups["RadTex hidden"].collection.hide_render = True
-    return [groups[title] for title in titles]
 
 
 def _seen_from_above(normal: Floats, height: float, middle: Floats, radius: float) -> Plane:

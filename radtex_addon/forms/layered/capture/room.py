@@ -8,6 +8,7 @@ their planes puts nearly all of that in its place; a map of distances, iterated,
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
 from typing import Any
@@ -42,6 +43,7 @@ _BACKS = 0.4  # share of the rays' length: if less than that ends at backs, thes
 _DIRECTIONS = 32  # along a side of the octahedron, in which planes are looked for
 _OFF = 2e-6  # of the scene's size, by which rays start off surfaces
 _USUAL = (2, 98)  # percentiles of where rays end, which the size of a room is told by
+_STEPS_OF_EYES = 12  # as a power of 2, of all that is there: by these an eye moves
 _CLEAR = 0.03  # of the room's size, from an eye to the nearest thing
 
 
@@ -51,10 +53,10 @@ class Room:
 
     `eye` (3,): inside, whence they are seen. What is no more than `thin` before a plane lies on it.
     `furniture`: the owners of what stands inside and is not on a plane; all other things belong to the
-    planes' picture. `shown`: the baked objects that are in the pictures, too: all, if some are part of the
-    room itself, such as its floor, and none, if they are furniture alone. `furniture_eye` (3,): whence
-    furniture is seen, None: from the objects' middle. `boxes`: the lowest and highest corner (2, 3) of each
-    piece of furniture.
+    planes' picture. `size`: the longest side of all that is there. `shown`: the baked objects that are in the
+    pictures, too: all, if some are part of the room itself, such as its floor, and none, if they are
+    furniture alone. `furniture_eye` (3,): whence furniture is seen, None: from the objects' middle. `boxes`:
+    the lowest and highest corner (2, 3) of each piece of furniture.
     """
 
     normals: Floats
@@ -65,6 +67,7 @@ class Room:
     shown: frozenset[bpy.types.Object]
     furniture_eye: Floats | None
     boxes: dict[bpy.types.Object, Floats]
+    size: float
 
     def boxes_of(self, some: Collection[bpy.types.Object], middle: Floats) -> Floats:
         """Boxes (n, 2, 3) from the middle (3,) around furniture, at most MOST_BOXES: near ones share one."""
@@ -116,13 +119,14 @@ def find_room(
     normals, heights = found
     on_planes = things.shares_on(normals, heights, thin)
     furniture = frozenset(owner for owner, share in on_planes.items() if share < _ON_PLANES)
-    inside = hits.place[_before(hits.place, normals, heights, -thin).all(axis=0)]
-    eye = _middle_of(inside, normals, heights)
+    eye = _eye_in(things.corners_but(furniture), hits.place, normals, heights, thin)
+    step = 2.0 ** (math.floor(math.log2(max(things.size, 1e-30))) - _STEPS_OF_EYES)
+    eye = np.round(eye / step) * step  # the same, whatever is baked: its mesh is rounded otherwise
     seen = _seen_from(eye, normals, heights)  # others lie behind, such as a wall's outside
     normals, heights = normals[seen], heights[seen]
     boxes = {owner: things.box(owner) for owner in furniture}
     shown = frozenset[bpy.types.Object]() if furniture.issuperset(subjects) else frozenset(subjects)
-    room = Room(normals, heights, eye, thin, furniture, shown, None, boxes)
+    room = Room(normals, heights, eye, thin, furniture, shown, None, boxes, things.size)
     own = None if shown else (points.min(axis=0) + points.max(axis=0)) / 2
     seen_furniture = furniture if shown else furniture.difference(subjects)
     return replace(room, furniture_eye=_best_eye(room, things, hits, seen_furniture, own))
@@ -145,6 +149,12 @@ class Things:
         """The lowest and the highest corner (2, 3) of what an owner shows."""
         corners = self.corners[self.owner == self.owners.index(owner)].reshape(-1, 3)
         return np.array([corners.min(axis=0), corners.max(axis=0)])
+
+    def corners_but(self, owners: Collection[bpy.types.Object]) -> Floats:
+        """The corners (P, 3) of all triangles that are not of some owners."""
+        others = np.array([owner not in owners for owner in self.owners])
+        found: Floats = self.corners[others[self.owner]].reshape(-1, 3)
+        return found
 
     def tree(self, some: Bools) -> BVHTree:
         """Of some triangles (F,)."""
@@ -307,10 +317,25 @@ def _before(place: Floats, normals: Floats, heights: Floats, least: float) -> Bo
     return found
 
 
-def _middle_of(inside: Floats, normals: Floats, heights: Floats) -> Floats:
-    """The middle of what is hit inside, moved before all planes if need be."""
-    middle: Floats = (inside.min(axis=0) + inside.max(axis=0)) / 2
-    mean: Floats = inside.mean(axis=0)
+def _eye_in(corners: Floats, hit: Floats, normals: Floats, heights: Floats, thin: float) -> Floats:
+    """The middle of a room with such corners (P, 3), moved before all planes if need be.
+
+    It is the same for all that is baked in the room, so that its picture is: what is `hit` (Q, 3), of which
+    each object sees other places, counts only where the corners tell nothing.
+    """
+
+    def inside(places: Floats) -> Floats:
+        found: Floats = places[_before(places, normals, heights, -thin).all(axis=0)]
+        return found
+
+    here = inside(hit)
+    for places in (inside(corners), here):
+        if len(places):
+            middle: Floats = (places.min(axis=0) + places.max(axis=0)) / 2
+            if _before(middle[None], normals, heights, thin).all():
+                return middle
+    mean: Floats = here.mean(axis=0)
+    middle = (here.min(axis=0) + here.max(axis=0)) / 2
     for share in np.linspace(0, 1, 11):
         found: Floats = middle + share * (mean - middle)
         if _before(found[None], normals, heights, 0).all():
