@@ -46,6 +46,9 @@ def write_page(cells: Cells) -> None:
     if assets:
         blocks["assets"] = tables.assets_table(assets)
         blocks["close_ups"] = tables.close_ups_table(assets)
+    rooms = kept_json.read("rooms")
+    if rooms:
+        blocks["rooms"] = tables.rooms_table(rooms)
     lookup, stereo = kept_json.read("lookup"), kept_json.read("stereo")
     if lookup:
         over_cost(kept_json.FOLDER / "lookup.svg", quality, lookup["methods"])

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict
+from statistics import mean
 from typing import Any
 
 from ..fidelity.report import markdown
@@ -134,6 +135,38 @@ def close_ups_table(found: dict[str, Any]) -> str:
         [_ASSET_WAYS.get(way, way), *(f"{view[way]['psnr']:.1f}" for view in near)]
         for way in facts["mean"]
         if all(way in view for view in near)
+    ]
+    return _table(head, lines)
+
+
+def rooms_table(found: dict[str, Any]) -> str:
+    """Rooms, the worst view first, each as all of it is baked, beside other ways, and what the bake cost."""
+
+    def of(facts: dict[str, Any], way: str, field: str) -> list[float]:
+        return sorted(float(view[way][field]) for view in facts["views"].values() if way in view)
+
+    def told(values: Sequence[float]) -> str:
+        return f"{values[0]:.1f}, {mean(values):.1f}" if values else ""
+
+    lines = []
+    for name, facts in sorted(found.items(), key=lambda room: of(room[1], "all", "psnr")[0]):
+        others = [told(of(facts, way, "psnr")) for way in ("three.js", "Eevee")]
+        flip, costs = mean(of(facts, "all", "flip")), facts["costs"]
+        spent = [f"{costs['processor'] / 60:.0f}", f"{costs['memory'] / 1000:.1f}"] if costs else ["", ""]
+        size = [str(facts["objects"]), str(facts["written"]["draw_calls"])]
+        bytes_ = f"{facts['written']['megabytes']:.0f}"
+        lines.append([name, told(of(facts, "all", "psnr")), f"{flip:.3f}", *others, *size, bytes_, *spent])
+    head = [
+        "room",
+        "RadTex, dB",
+        "FLIP",
+        "three.js",
+        "Eevee",
+        "objects",
+        "draw calls",
+        "MB",
+        "CPU minutes",
+        "GB",
     ]
     return _table(head, lines)
 

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -94,6 +95,7 @@ def test_the_page_has_a_place_for_every_table() -> None:
         "stereo",
         "assets",
         "close_ups",
+        "rooms",
     )
     text = PAGE.read_text(encoding="utf-8")
     assert filled(text, {}) == text
@@ -112,6 +114,22 @@ def test_assets_stand_beside_other_ways_and_close_ups_count_in_no_mean() -> None
     ]
     near = tables.close_ups_table({"helmet": facts}).splitlines()
     assert near[2:] == ["| RadTex, the reference lookup | 19.0 |", "| Eevee, nothing baked | 25.0 |"]
+
+
+def test_rooms_stand_worst_first_with_what_they_cost() -> None:
+    def room(worst: float, **more: Any) -> dict[str, Any]:
+        shown = {"psnr": 40.0, "flip": 0.1}
+        first: dict[str, Any] = {"all": shown, "Eevee": shown | {"psnr": 20.0}}
+        views = {"view0": first, "view1": {"all": shown | {"psnr": worst}}}
+        size = {"draw_calls": 9, "megabytes": 8.4, "atlases": 2}
+        return {"views": views, "objects": 7, "written": size, "costs": None} | more
+
+    costs = {"wall": 60.0, "processor": 120.0, "memory": 1500.0}
+    table = tables.rooms_table({"fair": room(30.0), "bad": room(20.0, costs=costs)}).splitlines()
+    assert table[2:] == [
+        "| bad | 20.0, 30.0 | 0.100 |  | 20.0, 20.0 | 7 | 9 | 8 | 2 | 1.5 |",
+        "| fair | 30.0, 35.0 | 0.100 |  | 20.0, 20.0 | 7 | 9 | 8 |  |  |",
+    ]
 
 
 def test_every_method_has_a_title() -> None:

@@ -7,6 +7,7 @@
     python -m tests.bench.rooms --scene living --baked FOLDER --out DIR           what is baked already
     python -m tests.bench.rooms … --objects Floor,Mirror          these alone
     python -m tests.bench.rooms … --eevee --three                 beside two ways without RadTex
+    python -m tests.bench.rooms … --keep                          figures for docs/results.md, too
 
 Prints a table of the views, the worst first, of the objects, the worst first, and what the bake cost. Leaves
 figures.json, a sheet of pictures for each view (traced, baked, others; differences below) and an overview
@@ -34,12 +35,13 @@ from ..assets.three_scene import pictures_by_three
 from ..assets.views import PIXELS, Pictures, View, bounds_inside, scene_cameras
 from ..engines.__main__ import programs
 from ..fidelity.references import distances, tree_of
+from ..results import kept_json
 from .baking import SURFACES, bake, kept_costs, rendered, room_file, texels_of, written
 from .light_maps import SAMPLES as LIGHT_SAMPLES
 from .light_maps import write_lit_page
 
 SAMPLES = 512  # of a path-traced pixel, denoised
-SUBSAMPLES = 2  # along a pixel's side
+SUBSAMPLES = 3  # along a pixel's side
 _BAKED = "all"
 
 
@@ -54,6 +56,24 @@ def main() -> None:
         record = judged_room(name, folder, options, more)
         (folder / "figures.json").write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
         print_room(room, record)
+        if options.keep:
+            _keep(room, record)
+
+
+def _keep(room: str, record: dict[str, Any]) -> None:
+    """Write a room's figures, but those of its single objects, to the project's results.
+
+    Ways that this run has not measured stay as they are, and so do the costs of a bake that was there.
+    """
+    kept = kept_json.read("rooms") or {}
+    earlier = kept.get(room, {"views": {}, "costs": None})
+    ways = [_BAKED, *record["others"]]
+    views = {
+        view: earlier["views"].get(view, {}) | {way: found[way] for way in ways}
+        for view, found in record["views"].items()
+    }
+    kept[room] = record | {"views": views, "costs": record["costs"] or earlier["costs"]}
+    kept_json.write("rooms", kept)
 
 
 def judged_room(name: str, folder: Path, options: argparse.Namespace, more: list[str]) -> dict[str, Any]:
@@ -181,6 +201,7 @@ def _options() -> tuple[argparse.Namespace, list[str]]:
     parser.add_argument("--eevee", action="store_true", help="also Eevee with probes")
     parser.add_argument("--three", action="store_true", help="also three.js with light maps and a probe")
     parser.add_argument("--light-samples", type=int, default=LIGHT_SAMPLES, help="of a light map's texel")
+    parser.add_argument("--keep", action="store_true", help="the figures in docs/results")
     parser.add_argument("--references", type=Path, help="where scenes and path-traced pictures are kept")
     parser.add_argument("--out", type=Path, required=True)
     options = parser.parse_args(mine)
