@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -101,6 +102,25 @@ def test_things_in_the_open_stand_in_no_room(room: None) -> None:
         bpy.data.objects.remove(bpy.data.objects[name])
     bpy.data.objects.remove(bpy.data.objects["Ceiling"])
     assert found("Cupboard") is None
+
+
+def test_an_angled_room_is_seen_from_where_both_its_wings_are(empty_file: None) -> None:
+    """The middle of its box lies outside, behind an inner wall."""
+    plan = [(0, 0), (6, 0), (6, 3), (3, 3), (3, 7), (0, 7)]
+    walls = [[(*a, 0), (*b, 0), (*b, 2.6), (*a, 2.6)] for a, b in pairwise([*plan, plan[0]])]
+    flat = {"Floor": [[(*at, 0.0) for at in plan]], "Ceiling": [[(*at, 2.6) for at in plan[::-1]]]}
+    for name, faces in ({"Walls": walls} | flat).items():
+        corners = [corner for face in faces for corner in face]
+        sides = np.arange(len(corners)).reshape(len(faces), -1).tolist()
+        mesh: Any = bpy.data.meshes.new(name)
+        mesh.from_pydata(corners, [], sides)
+        context.scene.collection.objects.link(bpy.data.objects.new(name, mesh))
+    box("Here", (4.1, 1.1, 0), (4.9, 1.9, 0.8), (0.5, 0.5, 0.5))
+    box("There", (0.6, 5.6, 0), (1.4, 6.4, 0.8), (0.5, 0.5, 0.5))
+    rooms = [found("Here"), found("There")]
+    for there in rooms:
+        assert there is not None
+        np.testing.assert_allclose(there.eye, (1.5, 1.75, 1.3), atol=0.01)
 
 
 def captured(folder: Path, *names: str) -> LayeredSamples:

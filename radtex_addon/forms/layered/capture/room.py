@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
+from itertools import combinations
 from typing import Any
 
 import bpy
@@ -43,7 +44,12 @@ _BACKS = 0.4  # share of the rays' length: if less than that ends at backs, thes
 _DIRECTIONS = 32  # along a side of the octahedron, in which planes are looked for
 _OFF = 2e-6  # of the scene's size, by which rays start off surfaces
 _USUAL = (2, 98)  # percentiles of where rays end, which the size of a room is told by
-_STEPS_OF_EYES = 12  # as a power of 2, of all that is there: by these an eye moves
+_AROUND = [(x, y, 0) for x in (-1, 0, 1) for y in (-1, 0, 1) if (x, y) != (0, 0)]  # the room's middle
+_FLAT = 1e-3  # sine of an angle between planes that is none
+_OPEN = 0.1  # sine at which a ray must meet a plane, or passes by
+_PLACES = 400  # by which eyes of the room are judged
+_MORE_SEEN = 0.1  # share of these, by which another eye is better than the middle
+_STEPS_OF_EYES = 8  # as a power of 2, of all that is there: by these an eye moves
 _CLEAR = 0.03  # of the room's size, from an eye to the nearest thing
 
 
@@ -119,9 +125,11 @@ def find_room(
     normals, heights = found
     on_planes = things.shares_on(normals, heights, thin)
     furniture = frozenset(owner for owner, share in on_planes.items() if share < _ON_PLANES)
-    eye = _eye_in(things.corners_but(furniture), hits.place, normals, heights, thin)
-    step = 2.0 ** (math.floor(math.log2(max(things.size, 1e-30))) - _STEPS_OF_EYES)
-    eye = np.round(eye / step) * step  # the same, whatever is baked: its mesh is rounded otherwise
+    eye = _eye_for_all(things, furniture, normals, heights, thin)
+    if eye is None:
+        eye = _middle_of(
+            hits.place[_before(hits.place, normals, heights, -thin).all(axis=0)], normals, heights
+        )
     seen = _seen_from(eye, normals, heights)  # others lie behind, such as a wall's outside
     normals, heights = normals[seen], heights[seen]
     boxes = {owner: things.box(owner) for owner in furniture}
@@ -150,10 +158,10 @@ class Things:
         corners = self.corners[self.owner == self.owners.index(owner)].reshape(-1, 3)
         return np.array([corners.min(axis=0), corners.max(axis=0)])
 
-    def corners_but(self, owners: Collection[bpy.types.Object]) -> Floats:
-        """The corners (P, 3) of all triangles that are not of some owners."""
+    def but(self, owners: Collection[bpy.types.Object]) -> Bools:
+        """Which triangles (F,) are not of some owners."""
         others = np.array([owner not in owners for owner in self.owners])
-        found: Floats = self.corners[others[self.owner]].reshape(-1, 3)
+        found: Bools = others[self.owner]
         return found
 
     def tree(self, some: Bools) -> BVHTree:
@@ -165,8 +173,7 @@ class Things:
 
     def shares_on(self, normals: Floats, heights: Floats, thin: float) -> dict[bpy.types.Object, float]:
         """The share of each owner's area that lies on a plane, or less than `thin` before it, or beyond."""
-        a, b, c = self.corners.transpose(1, 0, 2)
-        area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+        area = _areas(self.corners)
         above = (self.corners @ normals.T).max(axis=1) - heights  # (F, n), of the corner that lies highest
         on = (above < thin).any(axis=1)
         whole = np.bincount(self.owner, area, len(self.owners))
@@ -317,30 +324,81 @@ def _before(place: Floats, normals: Floats, heights: Floats, least: float) -> Bo
     return found
 
 
-def _eye_in(corners: Floats, hit: Floats, normals: Floats, heights: Floats, thin: float) -> Floats:
-    """The middle of a room with such corners (P, 3), moved before all planes if need be.
-
-    It is the same for all that is baked in the room, so that its picture is: what is `hit` (Q, 3), of which
-    each object sees other places, counts only where the corners tell nothing.
-    """
-
-    def inside(places: Floats) -> Floats:
-        found: Floats = places[_before(places, normals, heights, -thin).all(axis=0)]
-        return found
-
-    here = inside(hit)
-    for places in (inside(corners), here):
-        if len(places):
-            middle: Floats = (places.min(axis=0) + places.max(axis=0)) / 2
-            if _before(middle[None], normals, heights, thin).all():
-                return middle
-    mean: Floats = here.mean(axis=0)
-    middle = (here.min(axis=0) + here.max(axis=0)) / 2
+def _middle_of(inside: Floats, normals: Floats, heights: Floats) -> Floats:
+    """The middle of what is hit inside, moved before all planes if need be."""
+    middle: Floats = (inside.min(axis=0) + inside.max(axis=0)) / 2
+    mean: Floats = inside.mean(axis=0)
     for share in np.linspace(0, 1, 11):
         found: Floats = middle + share * (mean - middle)
         if _before(found[None], normals, heights, 0).all():
             return found
     return mean
+
+
+def _eye_for_all(
+    things: Things, furniture: Collection[bpy.types.Object], normals: Floats, heights: Floats, thin: float
+) -> Floats | None:
+    """Whence a room is seen, (3,): the same for all that is baked in it, so that its picture is, too.
+
+    From its middle, or where it is angled and a place a quarter in from its sides sees more, from there. None
+    if nothing but furniture lies inside.
+    """
+    shell = things.but(furniture)
+    middles = things.corners[shell].mean(axis=1)
+    inside = things.corners[shell][_before(middles, normals, heights, -thin).all(axis=0)]
+    if not len(inside):
+        return None
+    corners = _corners_of(normals, heights)
+    if not len(corners):  # of a room that is open at a side
+        corners = inside.reshape(-1, 3)
+        corners = corners[_before(corners, normals, heights, -thin).all(axis=0)]
+        if not len(corners):
+            return None
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    tried = (low + high) / 2 + np.array([(0, 0, 0), *_AROUND]) * (high - low) / 4
+    tried = tried[_before(tried, normals, heights, thin).all(axis=0)]
+    if not len(tried):
+        return None
+    tree, places = things.tree(shell), _places_on(inside)
+    seen = [_share_seen(tree, eye, places, thin) for eye in tried]
+    eye = tried[0] if seen[0] > max(seen) - _MORE_SEEN else tried[int(np.argmax(seen))]
+    step = 2.0 ** (math.floor(math.log2(max(things.size, 1e-30))) - _STEPS_OF_EYES)
+    found: Floats = np.round(eye / step) * step  # the mesh of what is baked is rounded otherwise
+    return found
+
+
+def _corners_of(normals: Floats, heights: Floats) -> Floats:
+    """The corners (P, 3) that some planes enclose, none where they are open to some side."""
+    if not ((normals @ cell_directions(_DIRECTIONS).T) < -_OPEN).any(axis=0).all():
+        return np.zeros((0, 3))
+    three = np.array(list(combinations(range(len(normals)), 3)))
+    three = three[np.abs(np.linalg.det(normals[three])) > _FLAT]
+    found = np.linalg.solve(normals[three], heights[three][..., None])[..., 0]
+    kept: Floats = found[_before(found, normals, heights, -_FLAT * np.abs(found).max()).all(axis=0)]
+    return kept
+
+
+def _places_on(corners: Floats) -> Floats:
+    """Places (P, 3) all over triangles (F, 3, 3), by their areas."""
+    random, area = np.random.default_rng(0), _areas(corners)
+    some = random.choice(len(corners), _PLACES, p=area / max(float(area.sum()), 1e-30))
+    weight = random.dirichlet(np.ones(3), _PLACES)
+    found: Floats = (weight[:, :, None] * corners[some]).sum(axis=1)
+    return found
+
+
+def _share_seen(tree: BVHTree, eye: Floats, places: Floats, thin: float) -> float:
+    """The share of places (P, 3) before which nothing lies, seen from an eye."""
+    away = places - eye
+    distance = np.maximum(np.linalg.norm(away, axis=1), 1e-30)
+    return float((distances_from(tree, eye, away / distance[:, None]) > distance - thin).mean())
+
+
+def _areas(corners: Floats) -> Floats:
+    """Of triangles (F, 3, 3), doubled: (F,)."""
+    a, b, c = corners.transpose(1, 0, 2)
+    found: Floats = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    return found
 
 
 def _best_eye(
@@ -384,5 +442,6 @@ def _best_eye(
 
     signs = [(0, 0, 0), *((x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 0, 1))]
     eyes = [room.eye + np.array(sign) * (high - low) / 4 for sign in signs]
-    best = max(eyes if own is None else [own, *eyes], key=right)
+    eyes = [eye for eye in eyes if _before(eye[None], room.normals, room.heights, room.thin).all()]
+    best = max((eyes or [room.eye]) if own is None else [own, *eyes], key=right)
     return None if best is own else best
