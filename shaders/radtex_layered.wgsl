@@ -288,7 +288,9 @@ fn radtex_reached(along: f32, squared: f32, distance: f32, span: vec4f) -> f32 {
     return select(clamp(reach, span.y, span.z), span.w, reach > span.z + 0.12 * distance);
 }
 
-// Where a ray meets things, from their eye, and log2 of how much a lobe's width² is larger as seen from there.
+// Where a ray meets things, from their eye, and log2 of how much a lobe's width² is larger as seen from there. In a room
+// the length is 1, or of a ray that passes between things, 1 and how far aside of it lies what is seen there, as the squared
+// sine of the angle.
 fn radtex_met(whence: vec3f, ray: vec3f) -> vec4f {
     if RADTEX_THINGS {
         let offset = whence - radtex.things_eye.xyz;
@@ -301,12 +303,22 @@ fn radtex_met(whence: vec3f, ray: vec3f) -> vec4f {
             reach = span.x;
             met = offset + reach * ray;
             if RADTEX_STEPS > 0 {
-                reach = radtex_reached(along, squared, radtex_distance(met), span);
+                var distance = radtex_distance(met);
+                reach = radtex_reached(along, squared, distance, span);
                 met = offset + reach * ray;
-            }
-            if RADTEX_STEPS > 1 {
-                reach = radtex_reached(along, squared, radtex_distance(met), span);
-                met = offset + reach * ray;
+                if RADTEX_STEPS > 1 {
+                    distance = radtex_distance(met);
+                    reach = radtex_reached(along, squared, distance, span);
+                    met = offset + reach * ray;
+                }
+                let scale = inverseSqrt(max(dot(met, met), 1e-12));
+                met *= scale;
+                if reach >= span.w {
+                    let away = distance * met - offset;
+                    let ahead = max(dot(away, ray), 0.0);
+                    met *= 2.0 - ahead * ahead / max(dot(away, away), 1e-12);
+                }
+                return vec4f(met, 2.0 * log2(clamp(reach * scale, 0.0625, 4.0)));
             }
         } else {
             if RADTEX_STEPS < 2 {  // begin on a sphere
@@ -328,14 +340,22 @@ fn radtex_met(whence: vec3f, ray: vec3f) -> vec4f {
     }
 }
 
+// What a lobe as wide as `spread` says shows of the things that its ray meets; of what lies far aside of it nothing.
+fn radtex_things(met: vec4f, spread: f32) -> vec4f {
+    var found = radtex_picture(radtex_things_map, radtex.things_range, radtex.things_levels, met.xyz, spread + met.w);
+    if RADTEX_BOXES > 0 {
+        if RADTEX_STEPS > 0 {
+            found *= clamp(2.0 - 0.25 * (length(met.xyz) - 1.0) / max(exp2(spread), 1e-6), 0.0, 1.0);
+        }
+    }
+    return found;
+}
+
 // How much of what lies behind all layers is seen between them, about the unit ray and as wide as `spread` says.
 fn radtex_free_way(whence: vec3f, ray: vec3f, spread: f32) -> f32 {
     var free = 1.0 - radtex_walls(whence, ray, spread).a;
     if RADTEX_THINGS {
-        let met = radtex_met(whence, ray);
-        let found = radtex_picture(radtex_things_map, radtex.things_range, radtex.things_levels, met.xyz, spread
-            + met.w);
-        free *= 1.0 - found.a;
+        free *= 1.0 - radtex_things(radtex_met(whence, ray), spread).a;
     }
     return free;
 }
@@ -415,7 +435,7 @@ fn radtex_shown(whence: vec3f, ray: vec3f, met: vec4f, spread: f32, lit: vec4f) 
         light = light * (1.0 - before.a) + before.rgb;
     }
     if RADTEX_THINGS {
-        before = radtex_picture(radtex_things_map, radtex.things_range, radtex.things_levels, met.xyz, spread + met.w);
+        before = radtex_things(met, spread);
         light = light * (1.0 - before.a) + before.rgb;
     }
     return light + radtex_lamps(whence, ray, exp2(spread), lit);

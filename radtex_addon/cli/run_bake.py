@@ -24,6 +24,7 @@ from ..formats.disk.lock import release_all
 from ..formats.disk.memory import readable_size
 from ..formats.disk.path_checks import check_unicode
 from ..formats.disk.temporary import remove_open
+from ..forms.layered.capture.panoramas import pictures_shared
 from ..job import BakeResult
 from ..job.bake_plan import BakePlan, check_plans, steps_of_bakes
 from ..job.variants import title_of
@@ -86,14 +87,15 @@ def _bake(
     wanted = [bake for plan in plans for bake in plan.wanted]
     whole = whole_progress(wanted, request.bakes.saves_preview) if len(wanted) > 1 else None
     failures: list[InputError] = []
-    for plan in plans:
-        of_plan = replace(request, bakes=plan.request)
-        try:
-            pages += _bake_plan(scene, plan, of_plan, report, interruption, after, whole)
-        except InputError as error:
-            if not request.bakes.as_scene:
-                raise
-            failures.append(error)
+    with pictures_shared():
+        for plan in plans:
+            of_plan = replace(request, bakes=plan.request)
+            try:
+                pages += _bake_plan(scene, plan, of_plan, report, interruption, after, whole)
+            except InputError as error:
+                if not request.bakes.as_scene:
+                    raise
+                failures.append(error)
     if failures:
         raise _without_some(failures, len(wanted))
     return pages

@@ -273,7 +273,7 @@ def bake_unchecked(
         prepared = replace(
             prepared,
             fingerprint=fingerprint_of_bake(now, layer, name, spec, files),
-            scene="" if spec.lights or spec.alone else f"{now.whole} {device}",
+            scene="" if spec.lights or spec.alone else f"{now.whole} {scratch.frame_current_final} {device}",
             blend=(open_blend() if blend is None else blend).name,
         )
         check_readable(prepared.facts(spec))

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 from .rays import LayeredRays
 
-OWN_RAYS = 400  # of a texel, of what it sees of the object itself, where its atlas is not very large
+OWN_RAYS = 400  # of a texel, of what it sees of the object itself, in an atlas of up to 42,000
 
 # Seconds of a texel.
 _MAPS = 1e-4

@@ -619,7 +619,9 @@ float radtex_reached(float along, float squared, float distance, vec4 span) {
 }
 #endif
 
-// Where a ray meets things, from their eye, and log2 of how much a lobe's width² is larger as seen from there.
+// Where a ray meets things, from their eye, and log2 of how much a lobe's width² is larger as seen from there. In a room
+// the length is 1, or of a ray that passes between things, 1 and how far aside of it lies what is seen there, as the squared
+// sine of the angle.
 vec4 radtex_met(vec3 from, vec3 ray) {
 #ifdef RADTEX_THINGS
     vec3 offset = from - radtex_things_eye.xyz, met = ray;
@@ -629,12 +631,22 @@ vec4 radtex_met(vec3 from, vec3 ray) {
     reach = span.x;
     met = offset + reach * ray;
 #if RADTEX_STEPS > 0
-    reach = radtex_reached(along, squared, radtex_distance(met), span);
+    float distance = radtex_distance(met);
+    reach = radtex_reached(along, squared, distance, span);
+    met = offset + reach * ray;
+#if RADTEX_STEPS > 1
+    distance = radtex_distance(met);
+    reach = radtex_reached(along, squared, distance, span);
     met = offset + reach * ray;
 #endif
-#if RADTEX_STEPS > 1
-    reach = radtex_reached(along, squared, radtex_distance(met), span);
-    met = offset + reach * ray;
+    float scale = inversesqrt(max(dot(met, met), 1e-12));
+    met *= scale;
+    if (reach >= span.w) {
+        vec3 away = distance * met - offset;
+        float ahead = max(dot(away, ray), 0.0);
+        met *= 2.0 - ahead * ahead / max(dot(away, away), 1e-12);
+    }
+    return vec4(met, 2.0 * log2(clamp(reach * scale, 0.0625, 4.0)));
 #endif
 #else
 #if RADTEX_STEPS < 2  // begin on a sphere
@@ -656,14 +668,25 @@ vec4 radtex_met(vec3 from, vec3 ray) {
 #endif
 }
 
+#ifdef RADTEX_THINGS
+// What a lobe as wide as `spread` says shows of the things that its ray meets; of what lies far aside of it nothing.
+vec4 radtex_things(vec4 met, float spread) {
+    vec4 found = radtex_picture(radtex_things_map, radtex_things_range, radtex_things_levels, met.xyz, spread + met.w);
+#if RADTEX_BOXES > 0
+#if RADTEX_STEPS > 0
+    found *= clamp(2.0 - 0.25 * (length(met.xyz) - 1.0) / max(exp2(spread), 1e-6), 0.0, 1.0);
+#endif
+#endif
+    return found;
+}
+#endif
+
 #if RADTEX_SHELL > 0
 // How much of what lies behind all layers is seen between them, about the unit ray and as wide as `spread` says.
 float radtex_free_way(vec3 from, vec3 ray, float spread) {
     float free = 1.0 - radtex_walls(from, ray, spread).a;
 #ifdef RADTEX_THINGS
-    vec4 met = radtex_met(from, ray);
-    vec4 found = radtex_picture(radtex_things_map, radtex_things_range, radtex_things_levels, met.xyz, spread + met.w);
-    free *= 1.0 - found.a;
+    free *= 1.0 - radtex_things(radtex_met(from, ray), spread).a;
 #endif
     return free;
 }
@@ -745,7 +768,7 @@ vec3 radtex_shown(vec3 from, vec3 ray, vec4 met, float spread, vec4 lit) {
     light = light * (1.0 - before.a) + before.rgb;
 #endif
 #ifdef RADTEX_THINGS
-    before = radtex_picture(radtex_things_map, radtex_things_range, radtex_things_levels, met.xyz, spread + met.w);
+    before = radtex_things(met, spread);
     light = light * (1.0 - before.a) + before.rgb;
 #endif
     return light + radtex_lamps(from, ray, exp2(spread), lit);

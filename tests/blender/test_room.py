@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 from radtex_addon.bake.progress import finished
-from radtex_addon.forms.layered.capture import panoramas
 from radtex_addon.forms.layered.capture.capturing import capture_layered
+from radtex_addon.forms.layered.capture.panoramas import pictures_shared
 from radtex_addon.forms.layered.capture.room import Room, find_room
 from radtex_addon.forms.layered.files.layered_files import read_layered_sidecar
 from radtex_addon.forms.layered.lookup.environment import Shell
@@ -192,15 +192,15 @@ def test_bakes_of_one_room_share_its_picture_and_have_the_bits_of_bakes_alone(
 
     gloss = bpy.data.objects["Cupboard"].data.materials[0].node_tree.nodes[0].inputs["Roughness"]
     gloss.default_value = 0.2  # as sharp a picture as for the floor
-    panoramas._PICTURES.clear()
     alone, files = baked("alone", "Cupboard")
-    gloss.default_value = 0.1
-    assert baked("changed", "Cupboard")[0] == alone, "of another scene, no picture is taken"
-    gloss.default_value = 0.2
-    panoramas._PICTURES.clear()
-    baked("together", *SIDES, "Picture")
-    after, same = baked("together", "Cupboard")
-    assert len(panoramas._PICTURES) == 1
+    with pictures_shared():
+        gloss.default_value = 0.1
+        assert baked("changed", "Cupboard")[0] == alone
+        gloss.default_value = 0.2
+        assert baked("another", "Cupboard")[0] == alone, "of another scene, no picture is taken"
+    with pictures_shared():
+        baked("together", *SIDES, "Picture")
+        after, same = baked("together", "Cupboard")
     assert after < 0.5 * alone
     assert same == files
 

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import moderngl
 import numpy as np
@@ -17,6 +18,7 @@ from radtex_addon.formats.codecs.srgb import from_srgb, to_srgb
 from radtex_addon.forms.layered.cells import CELLS
 from radtex_addon.forms.layered.lookup.atlas import sample_layered
 from radtex_addon.forms.layered.lookup.edge_grid import EdgePictures, on_edges
+from radtex_addon.forms.layered.lookup.environment import Impostor, Shell
 from radtex_addon.forms.layered.shader_values import FULL
 from tests.bench.fidelity.layered.compressed import compressed
 from tests.bench.fidelity.layered.drawn_fragments import radiance
@@ -86,3 +88,19 @@ def test_a_picture_on_edges_has_no_seam_and_is_as_sharp() -> None:
     both = [octahedron_to_direction(place).astype(np.float32) for place in (left, mirrored)]
     seen = [pictures.look(direction, sharp[:50])[0] for direction in both]
     np.testing.assert_allclose(seen[0], seen[1], atol=1e-3)
+
+
+def test_a_ray_past_a_thing_does_not_show_it_where_it_hides_the_wall_from_its_eye() -> None:
+    """A block lies before the middle of a wall, which a ray from aside meets beside the block."""
+    direction = cell_directions(64)
+    thing = direction[:, 0] > 0.97
+    room = Shell(np.concatenate([np.eye(3), -np.eye(3)]).astype(np.float32), np.full(6, -2.0), np.zeros(3))
+    block = np.array([[[0.8, -0.2, -0.2], [1.2, 0.2, 0.2]]], np.float32)
+    found = Impostor.of(direction[thing], np.full(thing.sum(), 0.8), np.zeros(3, np.float32))
+    found = replace(found, boxes=block, shell=room)
+    offset = np.tile(np.array([0, 1.5, 0], np.float32), (3, 1))
+    axis = np.array([[2, -1.5, 0], [2, -1.5, 0], [0.8, -1.4, 0]])
+    axis = (axis / np.linalg.norm(axis, axis=1, keepdims=True)).astype(np.float32)
+    met, _, cover = found.meet(offset, axis, np.array([1e-3, 0.06, 1e-3], np.float32))
+    assert cover.tolist() == [0, 1, 1], "past it; as wide as sees it; and at it"
+    np.testing.assert_allclose(met[:2], [[1, 0, 0]] * 2, atol=1e-3)

@@ -277,14 +277,16 @@ def bake_here(
 ) -> None:
     """Bake in this process, in the order of the objects `names`; the operator reports each bake."""
     from ...bake.progress import finished
+    from ...forms.layered.capture.panoramas import pictures_shared
     from ...job.bake_plan import in_order, steps_of_bakes
     from ...job.variants import title_of
 
     steps_of = {id(plan): steps_of_bakes(scene, plan) for plan in plans}
-    for plan, _ in in_order(plans, names):
-        name, spec, steps = next(steps_of[id(plan)])
-        finished(steps)
-        operator.report({"INFO"}, f"Baked {title_of(name, spec)}")
+    with pictures_shared():
+        for plan, _ in in_order(plans, names):
+            name, spec, steps = next(steps_of[id(plan)])
+            finished(steps)
+            operator.report({"INFO"}, f"Baked {title_of(name, spec)}")
 
 
 def questions(plans: Sequence[BakePlan]) -> tuple[str, ...]:

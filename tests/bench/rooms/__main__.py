@@ -72,7 +72,11 @@ def _keep(room: str, record: dict[str, Any]) -> None:
         view: earlier["views"].get(view, {}) | {way: found[way] for way in ways}
         for view, found in record["views"].items()
     }
-    kept[room] = record | {"views": views, "costs": record["costs"] or earlier["costs"]}
+    kept[room] = {
+        **{key: value for key, value in record.items() if key != "others"},
+        "views": views,
+        "costs": record["costs"] or earlier["costs"],
+    }
     kept_json.write("rooms", kept)
 
 
@@ -207,6 +211,8 @@ def _options() -> tuple[argparse.Namespace, list[str]]:
     options = parser.parse_args(mine)
     if options.baked and len(options.scene) > 1:
         parser.error("--baked wants one --scene")
+    if options.keep and options.objects:
+        parser.error("--keep wants all that a room has, not --objects")
     return options, more
 
 

@@ -356,20 +356,13 @@ class _Captures:
 
         def capture() -> Arrays:
             baked = [body.original for body in self.bodies]
+            known_as = "" if any(self.prepared.panes) else self.prepared.scene  # panes are clear to all rays
             unseen = [*baked, *(body.original for body in inside)]
             with scene_copied(self.scratch) as copy:
                 lamps = find_lamps(copy, baked, plan, middle, self.folder, room)
             with scene_copied(self.scratch) as copy:
                 seen = look_around(
-                    copy,
-                    unseen,
-                    middle,
-                    radius,
-                    self.folder,
-                    self.spec.seed,
-                    share,
-                    room,
-                    self.prepared.scene,
+                    copy, unseen, middle, radius, self.folder, self.spec.seed, share, room, known_as
                 )
             around = Around(middle, seen.world, seen.layers, lamps)
             return arrays_of(around) | {"paths": np.array([seen.paths], dtype=np.int64)}

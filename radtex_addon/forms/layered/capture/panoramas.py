@@ -53,7 +53,7 @@ _KEPT = 4  # pictures of rooms, of 6 MB each
 NO_SURFACE = MADE_TO_MESHES | {"LIGHT", "LIGHT_PROBE", "CAMERA", "SPEAKER", "EMPTY", "ARMATURE", "LATTICE"}
 
 
-_PICTURES: dict[Hashable, Pictures] = {}  # of rooms, by all that they depend on
+_RUNS: list[dict[Hashable, Pictures]] = []  # rooms' pictures in runs of several bakes, by what they depend on
 
 
 @dataclass(frozen=True, eq=False)
@@ -186,6 +186,16 @@ class Panoramas:
     paths: int
 
 
+@contextmanager
+def pictures_shared() -> Iterator[None]:
+    """Within the context, bakes of one scene render a room's picture once: between them nothing is edited."""
+    _RUNS.append({})
+    try:
+        yield
+    finally:
+        _RUNS.pop()
+
+
 def share_for(width: float) -> float:
     """How wide pictures need to be for lobes of a width² or more, as a share of the usual: a power of 2."""
     finer = math.log2(max(math.sqrt(min(width, 1.0)) / _FINE, 1.0))
@@ -210,8 +220,8 @@ def look_around(
     `share` of the usual.
 
     Only what a layer can show is rendered of its panorama: of a plane what lies below its horizon, of other
-    things a rectangle around them. A room's picture is rendered once for all bakes of this process that are
-    `known_as` of one scene, by a digest of all that it renders; "": of none. Raises BakeError where Cycles
+    things a rectangle around them. Bakes of a run that are `known_as` of one scene, by a digest of all that
+    it renders, share a room's picture; "": of none, see `pictures_shared`. Raises BakeError where Cycles
     fails.
     """
     world_width, near_width, size = (int(share * side) for side in (WORLD_WIDTH, NEAR_WIDTH, PICTURE_SIZE))
@@ -270,16 +280,18 @@ class _Look:
         room = cast(Room, things.room)
         names = sorted(item.name_full for item in things.objects)
         key = (self.known_as, *names, room.eye.tobytes(), self.seed, self.width, self.size)
-        pictures = _PICTURES.get(key) if self.known_as else None
+        kept = _RUNS[-1] if _RUNS and self.known_as else {}
+        pictures = kept.pop(key, None)
         if pictures is not None:
+            kept[key] = pictures  # the last to be left out
             return SurroundingLayer(pictures, shell), 0
         with self._camera(things, room.size) as camera:
             pictures = _room_picture(camera, self.width, room.eye, self.size)
         if pictures is None:
             return None, camera.paths
-        while len(_PICTURES) >= _KEPT:
-            del _PICTURES[next(iter(_PICTURES))]
-        _PICTURES[key] = pictures
+        while len(kept) >= _KEPT:
+            del kept[next(iter(kept))]
+        kept[key] = pictures
         return SurroundingLayer(pictures, shell), camera.paths
 
     @contextmanager

@@ -49,7 +49,7 @@ _FLAT = 1e-3  # sine of an angle between planes that is none
 _OPEN = 0.1  # sine at which a ray must meet a plane, or passes by
 _PLACES = 400  # by which eyes of the room are judged
 _MORE_SEEN = 0.1  # share of these, by which another eye is better than the middle
-_STEPS_OF_EYES = 8  # as a power of 2, of all that is there: by these an eye moves
+_STEPS_OF_EYES = 8  # as a power of 2: eyes lie on a grid of so small a part of the room
 _CLEAR = 0.03  # of the room's size, from an eye to the nearest thing
 
 
@@ -346,9 +346,9 @@ def _eye_for_all(
     shell = things.but(furniture)
     middles = things.corners[shell].mean(axis=1)
     inside = things.corners[shell][_before(middles, normals, heights, -thin).all(axis=0)]
-    if not len(inside):
+    if not _areas(inside).any():
         return None
-    corners = _corners_of(normals, heights)
+    corners = _corners_of(normals, heights, thin)
     if not len(corners):  # of a room that is open at a side
         corners = inside.reshape(-1, 3)
         corners = corners[_before(corners, normals, heights, -thin).all(axis=0)]
@@ -356,25 +356,26 @@ def _eye_for_all(
             return None
     low, high = corners.min(axis=0), corners.max(axis=0)
     tried = (low + high) / 2 + np.array([(0, 0, 0), *_AROUND]) * (high - low) / 4
-    tried = tried[_before(tried, normals, heights, thin).all(axis=0)]
-    if not len(tried):
+    step = 2.0 ** (math.floor(math.log2(max(float((high - low).max()), 1e-30))) - _STEPS_OF_EYES)
+    tried = np.round(tried / step) * step + 0.0  # the mesh of what is baked is rounded otherwise
+    free = _before(tried, normals, heights, thin).all(axis=0)
+    if not free.any():
         return None
     tree, places = things.tree(shell), _places_on(inside)
-    seen = [_share_seen(tree, eye, places, thin) for eye in tried]
-    eye = tried[0] if seen[0] > max(seen) - _MORE_SEEN else tried[int(np.argmax(seen))]
-    step = 2.0 ** (math.floor(math.log2(max(things.size, 1e-30))) - _STEPS_OF_EYES)
-    found: Floats = np.round(eye / step) * step  # the mesh of what is baked is rounded otherwise
+    seen = np.array([_share_seen(tree, eye, places, thin) for eye in tried])
+    seen[0] += _MORE_SEEN
+    found: Floats = tried[np.where(free, seen, -1).argmax()]
     return found
 
 
-def _corners_of(normals: Floats, heights: Floats) -> Floats:
+def _corners_of(normals: Floats, heights: Floats, thin: float) -> Floats:
     """The corners (P, 3) that some planes enclose, none where they are open to some side."""
     if not ((normals @ cell_directions(_DIRECTIONS).T) < -_OPEN).any(axis=0).all():
         return np.zeros((0, 3))
     three = np.array(list(combinations(range(len(normals)), 3)))
     three = three[np.abs(np.linalg.det(normals[three])) > _FLAT]
     found = np.linalg.solve(normals[three], heights[three][..., None])[..., 0]
-    kept: Floats = found[_before(found, normals, heights, -_FLAT * np.abs(found).max()).all(axis=0)]
+    kept: Floats = found[_before(found, normals, heights, -thin).all(axis=0)]
     return kept
 
 
@@ -406,8 +407,8 @@ def _best_eye(
 ) -> Floats | None:
     """The eye (3,) from which the furniture that is `seen` is met best, by rays that leave the baked objects.
 
-    None: from their middle. Tried are the room's eye, places a quarter in from its corners, and the objects'
-    `own` middle (3,), if it may be.
+    None: from their middle. Tried are the room's eye, places a quarter in from its corners that lie before
+    all planes, and the objects' `own` middle (3,), if it may be.
     """
     some = np.array([owner in seen for owner in things.owners])[things.owner]
     if not some.any():
@@ -440,8 +441,8 @@ def _best_eye(
         apart = np.linalg.norm(shown - hits.place[first], axis=1)
         return float((apart < np.maximum(SAME * length, room.thin / 2)).mean())
 
-    signs = [(0, 0, 0), *((x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 0, 1))]
-    eyes = [room.eye + np.array(sign) * (high - low) / 4 for sign in signs]
+    signs = [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 0, 1)]
+    eyes = [room.eye, *((low + high) / 2 + np.array(sign) * (high - low) / 4 for sign in signs)]
     eyes = [eye for eye in eyes if _before(eye[None], room.normals, room.heights, room.thin).all()]
     best = max((eyes or [room.eye]) if own is None else [own, *eyes], key=right)
     return None if best is own else best

@@ -26,6 +26,7 @@ _NARROWER = (-12.0, 2.5, 0.5)  # exponents of 2: by how much the Gaussians that 
 _PARALLEL, _STEEPEST = 1e-4, 0.999  # sines of angles to a plane: along it, and straight at it
 MOST_PLANES = 8  # of a shell
 MOST_BOXES = 8  # around what stands in one
+NEAR_LOBE = 4.0  # times a lobe's variance: the squared sine up to which it sees what its axis passes
 SMALLEST = 1e-7  # part of a unit vector
 BEYOND = 0.12  # of a thing's distance: what is further than its box by that is not met in it
 SHADED = 0.1  # of a sun's light: what else a place in its shadow may have
@@ -218,7 +219,8 @@ class Impostor:
         offset = offset - self.eye[:, None]
         along = (offset * axis).sum(axis=0)
         squared = (offset * offset).sum(axis=0)
-        met, ratio = begin, np.ones_like(along)
+        met, cover = begin, np.ones_like(variance)
+        ratio = far = distance = np.ones_like(along)
         for _ in range(STEPS):
             distance = 1 / np.maximum(self._maps.look(direction_to_octahedron(met.T).T, 0)[0], 1e-9)
             far = np.sqrt(np.maximum(along * along - squared + distance * distance, 0)) - along
@@ -228,8 +230,11 @@ class Impostor:
             reached = offset + far * axis
             length = np.maximum(np.linalg.norm(reached, axis=0), 1e-6)
             met, ratio = reached / length, far / length
+        if bounds is not None:
+            past = far >= bounds[2]
+            cover[past] = _near_lobe(distance * met - offset, axis, variance)[past]
         wider = np.clip(ratio, _LEAST_RATIO, _MOST_RATIO) ** 2
-        return met.T, wider, np.ones_like(variance)
+        return met.T, wider, cover.astype(np.float32)
 
     def _begin(self, offset: Floats, axis: Floats) -> tuple[Floats, tuple[Floats, Floats, Floats] | None]:
         """Where rays from offsets (3, N) along axes (3, N) begin, as unit directions from the eye (3, N).
@@ -261,6 +266,17 @@ class Impostor:
     @cached_property
     def _maps(self) -> LevelMaps:
         return LevelMaps.of([self.nearness[..., None]])
+
+
+def _near_lobe(away: Floats, axis: Floats, variance: Floats) -> Floats:
+    """How much lobes about axes (3, N), of variances (N,), see of what lies `away` (3, N) from their origins.
+
+    All of it up to twice their width, nothing from 2.8 times that on.
+    """
+    along = np.maximum((away * axis).sum(axis=0), 0)
+    sine = 1 - along * along / np.maximum((away * away).sum(axis=0), 1e-12)
+    found: Floats = np.clip(2 - sine / (NEAR_LOBE * np.maximum(variance, 1e-6)), 0, 1)
+    return found
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,6 +20,7 @@ from ..lookup.environment import (
     FARTHEST,
     KNOWN,
     LEAST_FACING,
+    NEAR_LOBE,
     SHADED,
     SMALLEST,
     STEPS,
@@ -301,7 +302,8 @@ def _things_group(
     squared = build.vector("DOT_PRODUCT", offset, offset)
     beyond = build.math("SUBTRACT", build.math("MULTIPLY", along, along), squared)
     first = axis if span is None else build.vector("ADD", offset, build.vector("SCALE", axis, span[0]))
-    met, ratio = _late(build, first, along), build.value(1.0)
+    met = _late(build, first, along)
+    ratio = cover = far = distance = build.value(1.0)
     for _ in range(STEPS):
         (near,) = build.group(nearness, met)
         distance = build.math("DIVIDE", 1.0, build.math("MAXIMUM", near, 1e-9))
@@ -316,10 +318,22 @@ def _things_group(
         length = build.math("MAXIMUM", build.vector("LENGTH", reached), 1e-6)
         met = build.vector("SCALE", reached, build.math("DIVIDE", 1.0, length))
         ratio = build.math("DIVIDE", far, length)
+    if span is not None:
+        away = build.vector("SUBTRACT", build.vector("SCALE", met, distance), offset)
+        past = build.math("SUBTRACT", 1.0, build.math("LESS_THAN", far, span[3]))
+        cover = build.mix(past, cover, _near_lobe(build, away, axis, spread), "FLOAT")
     ratio = build.math("MINIMUM", build.math("MAXIMUM", ratio, _LEAST_RATIO), _MOST_RATIO)
-    return close_group(
-        build, Direction=met, Wider=build.math("MULTIPLY", ratio, ratio), Cover=build.value(1.0)
-    )
+    return close_group(build, Direction=met, Wider=build.math("MULTIPLY", ratio, ratio), Cover=cover)
+
+
+def _near_lobe(build: NodeBuilder, away: Socket, axis: Socket, variance: Socket) -> Socket:
+    """`environment._near_lobe`."""
+    along = build.math("MAXIMUM", build.vector("DOT_PRODUCT", away, axis), 0.0)
+    length = build.math("MAXIMUM", build.vector("DOT_PRODUCT", away, away), 1e-12)
+    sine = build.math("SUBTRACT", 1.0, build.math("DIVIDE", build.math("MULTIPLY", along, along), length))
+    wide = build.math("MULTIPLY", build.math("MAXIMUM", variance, 1e-6), NEAR_LOBE)
+    shown = build.math("SUBTRACT", 2.0, build.math("DIVIDE", sine, wide))
+    return build.math("MINIMUM", build.math("MAXIMUM", shown, 0.0), 1.0)
 
 
 def _all_late(
