@@ -11,15 +11,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from .rays import LayeredRays
-
-OWN_RAYS = 400  # of a texel, of what it sees of the object itself, in an atlas of up to 42,000
+from .rays import OWN_SIDE, LayeredRays, own_side
 
 # Seconds of a texel.
 _MAPS = 1e-4
 _GLOSS = 1.7e-4  # roughness, of an object on which it varies
 _EXITS = 1.3e-3  # of an object that lets light through
-_MISLED = 8.6e-4  # mirror rays that the pictures of the surroundings would show wrongly
+_MISLED = 8.6e-4  # OWN_SIDE² mirror rays that the pictures of the surroundings would show wrongly
 # Seconds of a path of a texel.
 _LIGHT, _ENDS, _OWN = 4.5e-6, 4.2e-6, 1.4e-6
 _MORE = 0.5  # of the paths of light, on objects of which a part is lit noisily
@@ -35,7 +33,6 @@ class LayeredTimes:
 
     texels: int
     rays: LayeredRays
-    own_rays: int = OWN_RAYS
     surroundings: float = 1.0
 
     @property
@@ -46,7 +43,7 @@ class LayeredTimes:
             "ends": _ENDS * self.rays.ends**2,
             "light": _LIGHT * self.rays.light**2,
             "more light": _MORE * _LIGHT * self.rays.light**2,
-            "own": _OWN * self.own_rays,
+            "own": _OWN * own_side(self.texels) ** 2,
         }
         return {name: self.texels * seconds for name, seconds in each.items()}
 
@@ -54,7 +51,8 @@ class LayeredTimes:
     def around(self) -> Mapping[str, float]:
         """Pictures of the surroundings, and which mirror rays they would show wrongly."""
         pictures = _AROUND * (0.045 + 0.955 * self.surroundings**2)
-        return {"pictures": pictures, "misled": 0.3 + self.texels * _MISLED}
+        rays = (own_side(self.texels) / OWN_SIDE) ** 2
+        return {"pictures": pictures, "misled": 0.3 + self.texels * _MISLED * rays}
 
     @property
     def around_clear(self) -> Mapping[str, float]:

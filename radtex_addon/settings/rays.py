@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import sqrt
+from math import isqrt, sqrt
 
 FINER = 4  # times as many texels along each side for the maps of the material, as they need no light …
 _FINEST = 4096  # … and the most along a side that this gives
@@ -19,6 +19,10 @@ PROBES = 2  # rays per cell of these buckets; a cell is hidden if all of its ray
 WORLD_WIDTH = 1280  # of a layered bake's panorama of the world in pixels, one ray each: it is free of noise
 NEAR_WIDTH, NEAR_SAMPLES = 896, 6  # of those of near things, which are denoised
 ROOM_SAMPLES = 16  # of those in a room, which has little direct light
+
+OWN_SIDE = 20  # rays along a side of a texel's hemisphere, that tell what it sees of the object itself …
+OWN_RAYS = 1 << 24  # … and the most of all texels, if that leaves each a few
+_LEAST_OWN_SIDE = 6
 
 MORE_LIGHT = 2  # times the paths of light that noisy light takes besides, at most
 _SAMPLES = 16  # samples of a plain bake with 8 x 8 cells that costs as much as the default `LayeredRays`
@@ -47,6 +51,11 @@ class LayeredRays:
         """All paths of a bake of an opaque object that covers `texels` texels, if none of them is hidden."""
         of_texel = self.of_texel + MORE_LIGHT * self.light**2 + 1 + FINER**2 + PROBES * PROBE_CELLS**2
         return texels * of_texel + most_panorama_paths()
+
+
+def own_side(texels: int) -> int:
+    """Rays along a side of a texel's hemisphere that tell what it sees of the object itself."""
+    return min(OWN_SIDE, max(_LEAST_OWN_SIDE, isqrt(OWN_RAYS // max(texels, 1))))
 
 
 def finer(texels: int) -> float:

@@ -12,9 +12,8 @@ from radtex_addon.bake.light_samples import mirrored, spread_shifts
 from radtex_addon.bake.pooling import Taps
 from radtex_addon.core.arrays import Bools, Floats
 from radtex_addon.cycles.portal import Aim
-from radtex_addon.forms.layered.capture.capturing import own_side, without_zeros
+from radtex_addon.forms.layered.capture.capturing import without_zeros
 from radtex_addon.forms.layered.capture.panoramas import panorama_directions
-from radtex_addon.forms.layered.cells import OWN_RAYS, OWN_SIDE
 from radtex_addon.forms.layered.fit import bucket_grid
 from radtex_addon.forms.layered.fit.bucket_grid import Block, BucketGrid
 from radtex_addon.forms.layered.fit.buckets import ALL_PARTS, FittedBuckets, Parts, fit_buckets, free_share
@@ -23,6 +22,7 @@ from radtex_addon.forms.layered.fit.view_dependence import fit_harmonics
 from radtex_addon.forms.layered.lookup.environment import Around, Pictures
 from radtex_addon.forms.layered.lookup.lobes import LOBES, STEPS, Material
 from radtex_addon.forms.layered.samples import OwnRays
+from radtex_addon.settings.rays import OWN_RAYS, OWN_SIDE, own_side
 from tests.layered.made_up import flat_plan, light_samples, places_of, white_surface
 from tests.layered.test_layered import SIDE, flat_samples
 

@@ -73,9 +73,14 @@ def test_paths_grow_with_texels_and_samples() -> None:
 
 
 def test_wrong_mirror_rays_are_looked_for_in_each_texel() -> None:
-    """So the stage of the surroundings grows with texels, and the pictures alone with their width."""
-    few, many = (typical_seconds(work(LAYERED, count))["surroundings"] for count in (1000, 60_000))
-    assert many - few == pytest.approx(59_000 * 8.6e-4)
+    """So the stage of the surroundings grows with texels, and the pictures alone with their width.
+
+    A texel of a large atlas takes fewer rays.
+    """
+    counts = (1000, 40_000, 60_000)
+    few, many, most = (typical_seconds(work(LAYERED, count))["surroundings"] for count in counts)
+    assert many - few == pytest.approx(39_000 * 8.6e-4)
+    assert most - few == pytest.approx((60_000 * 16**2 / 20**2 - 1000) * 8.6e-4)
     narrow = typical_seconds(replace(work(LAYERED, 1000), surroundings=0.25))["surroundings"]
     assert few - narrow == pytest.approx(9.0 * 0.955 * (1 - 0.25**2))
 

@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import logging
-import math
 from collections.abc import Generator, Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -32,9 +31,9 @@ from ....scene.mesh.render_contents import matrices_in_renders, top_of_render
 from ....scene.scratch import find_view_layer, scene_copied
 from ....settings.choices import Backs
 from ....settings.layered_times import LayeredTimes
-from ....settings.rays import PROBE_CELLS, PROBES, LayeredRays, coarser, finer
+from ....settings.rays import PROBE_CELLS, PROBES, LayeredRays, coarser, finer, own_side
 from ....settings.spec import BakeSpec
-from ..cells import EXIT_CELLS, OWN_RAYS, OWN_SIDE
+from ..cells import EXIT_CELLS
 from ..fit.light_map import PLACES, LightMap
 from ..fit.through import lets_through
 from ..lookup.environment import Around, Shell
@@ -57,7 +56,6 @@ from .surface_alone import Clear, surface_alone
 log = logging.getLogger(__name__)
 
 _OUTSIDE = 1.05  # times the object's radius: a sphere around it
-_LEAST_OWN_SIDE = 6
 _COVERED = "covered"  # a piece's name
 
 
@@ -141,7 +139,7 @@ class _Captures:
             radius = max(radius, *(_radius_around(body.places, middle) for body in bodies))
         of_ends = 0 if self.known is not None else rays.ends
         paths = count * (rays.light**2 + 2 * of_ends**2 + 1) + len(fine.texel)
-        times = LayeredTimes(count, replace(rays, ends=of_ends), own_side(count) ** 2, self.surroundings)
+        times = LayeredTimes(count, replace(rays, ends=of_ends), self.surroundings)
         bar = StageParts(Stage.CAPTURE, times.capture)
         yield bar.at("maps")
         room, passing = self._room(lit)
@@ -414,11 +412,6 @@ class _Captures:
 def _own_arrays(own: OwnRays) -> Arrays:
     light = {} if own.light is None else {"light": own.light}
     return {"hit": own.hit, "met": own.met, "place": own.place} | light
-
-
-def own_side(texels: int) -> int:
-    """Rays along a side of a texel's hemisphere that tell what it sees of the object itself."""
-    return min(OWN_SIDE, max(_LEAST_OWN_SIDE, math.isqrt(OWN_RAYS // texels)))
 
 
 def _lean(ends: EndSamples) -> EndSamples:
