@@ -63,7 +63,7 @@ def main() -> None:
 def _keep(room: str, record: dict[str, Any]) -> None:
     """Write a room's figures, but those of its single objects, to the project's results.
 
-    Ways that this run has not measured stay as they are, and so do the costs of a bake that was there.
+    Views and ways that this run has not measured stay as they are, and so do costs of a bake that was there.
     """
     kept = kept_json.read("rooms") or {}
     earlier = kept.get(room, {"views": {}, "costs": None})
@@ -74,7 +74,7 @@ def _keep(room: str, record: dict[str, Any]) -> None:
     }
     kept[room] = {
         **{key: value for key, value in record.items() if key != "others"},
-        "views": views,
+        "views": earlier["views"] | views,
         "costs": record["costs"] or earlier["costs"],
     }
     kept_json.write("rooms", kept)
