@@ -11,6 +11,7 @@ import bpy
 
 from ..core.errors import InputError
 from ..core.messages import Message
+from ..job.instances import join_instances, names_joined
 from ..job.left_out import find_bakeable, left_out_lines
 from ..preview.collection_meshes import objects_named
 from .arguments import Request
@@ -24,9 +25,10 @@ def with_collections(scene: bpy.types.Scene, request: Request, report: Report) -
     """The request with the meshes of its collections behind the objects that it names, each once.
 
     A request for everything gets all meshes of the scene. What cannot be baked of these is left out, and
-    `report` says why; objects that are named are not looked at. Raises InputError for a collection that is
-    not there or has no mesh, and if nothing is left.
+    `report` says why; objects that are named are not looked at. Instances become meshes of the scene. Raises
+    InputError for a collection that is not there or has no mesh, and if nothing is left.
     """
+    request = _with_instances(scene, request, report)
     bakes = request.bakes
     collections = (scene.collection.name,) if request.everything else request.collections
     if not collections:
@@ -44,6 +46,26 @@ def with_collections(scene: bpy.types.Scene, request: Request, report: Report) -
     _tell_others([item.name for item in inside if _has_no_surface(item)], report)
     bakes = replace(bakes, objects=(*bakes.objects, *found.kept))
     return replace(request, bakes=bakes, collections=(), everything=False)
+
+
+def _with_instances(scene: bpy.types.Scene, request: Request, report: Report) -> Request:
+    """Make meshes of the instances that these objects show, and report it; the request names all of them.
+
+    For several frames nothing is done: instances may be others in each.
+    """
+    bakes = request.bakes
+    if bakes.frames:
+        return request
+    named = [scene.objects[name] for name in bakes.objects if name in scene.objects]
+    known = (scene.collection, *scene.collection.children_recursive)
+    of = [each for each in known if request.everything or each.name in request.collections]
+    inside = [item for each in of for item in each.all_objects]
+    made, messages = join_instances(scene, [*named, *inside], bakes.spec.frame, as_one=request.parent_pipe)
+    for one in made:
+        report.event("note", message=one.told)
+    for message in messages:
+        report.event("warning", **told(message))
+    return replace(request, bakes=replace(bakes, objects=tuple(names_joined(made, bakes.objects))))
 
 
 def _has_no_surface(item: bpy.types.Object) -> bool:

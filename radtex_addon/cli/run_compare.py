@@ -10,6 +10,7 @@ import bpy
 
 from ..core.messages import do
 from ..formats.disk.atomic import check_writable
+from ..job.instances import join_for
 from ..preview.swap import original_of
 from ..report.metrics import Figures
 from ..report.shown import bakes_of, frame_of
@@ -34,6 +35,7 @@ def run_compare(request: CompareRequest, report: Report, interruption: Interrupt
     """
     check_writable(request.out)
     scene = open_asked(request, interruption)
+    join_for(scene, request.objects or (OBJECT,))
     items = [_object(scene, name) for name in request.objects or (OBJECT,)]
     bakes = bakes_of(items, request.bake)
     with at_frame(scene, frame_of(scene, bakes)):

@@ -6,7 +6,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ..report.finished_bake import find_bake, object_of
+from ..job.instances import join_for
+from ..report.finished_bake import find_bake, object_of, objects_and_frame
 from ..report.report_bake import ReportResult, report_path, report_steps
 from ..report.report_progress import ReportStep
 from .interruption import Interruption
@@ -26,6 +27,7 @@ def run_report(request: ReportRequest, report: Report, interruption: Interruptio
     name = object_of(sidecar)
     out = request.out or report_path(sidecar)
     scene = open_scene(request.scene, request.demo, request.in_scene)
+    join_for(scene, *objects_and_frame(sidecar))
     steps = report_steps(scene, sidecar, request.spec, out)
 
     def tell(step: ReportStep) -> None:

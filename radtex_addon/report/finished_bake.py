@@ -220,6 +220,15 @@ def object_of(sidecar: AnySidecar) -> str:
     return _identity(sidecar).name
 
 
+def objects_and_frame(sidecar: AnySidecar) -> tuple[tuple[str, ...], int | None]:
+    """The objects that an atlas is of, and the frame at which it was baked, if one was asked for.
+
+    Raises FormatError for a file that is no sidecar.
+    """
+    found = _identity(sidecar)
+    return found.objects or (found.name,), found.frame
+
+
 @dataclass(frozen=True)
 class _Identity:
     """The facts that tell a folder's bakes apart: name, kind and objects.
@@ -234,6 +243,11 @@ class _Identity:
     split: tuple[str, str] | None
     part: str | None
     variant: tuple[object, ...]
+
+    @property
+    def frame(self) -> int | None:
+        frame = self.variant[0]
+        return frame if isinstance(frame, int) else None
 
     @property
     def plain_file(self) -> str:

@@ -12,7 +12,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import bpy
 import numpy as np
@@ -26,6 +26,7 @@ from .surfaces import MADE_TO_MESHES, shown_mesh
 if TYPE_CHECKING:
     from .mesh.evaluated import EvaluatedMesh
 
+MADE_OF, DRIFTS = "radtex_made_of", "radtex_drifts"  # custom properties of meshes that were joined of others
 _DEPTH = 5  # levels of settings within settings: geometry nodes have their inputs on the fourth
 _WEIGHED = 200_000  # vertices: the weights of more are not read, as each is read by itself
 _READ_ONLY = frozenset(("type", "vertex_indices"))  # the read-only properties that tell something
@@ -148,12 +149,14 @@ class Geometry:
 
 
 def is_made(item: bpy.types.Object) -> bool:
-    """Whether modifiers make the geometry that renders of an object show."""
-    return any(modifier.show_render for modifier in item.modifiers)
+    """Whether modifiers make the geometry that renders of an object show, or made what was joined in it."""
+    return _is_joined(item) or any(modifier.show_render for modifier in item.modifiers)
 
 
 def drifts(item: bpy.types.Object) -> bool:
     """Whether an object's vertices may be rounded otherwise each time: moved by the UVs of a bevel."""
+    if _is_joined(item):
+        return bool(cast(Any, item.data)[DRIFTS])
     kinds = [modifier.type for modifier in item.modifiers if modifier.show_render]
     return "BEVEL" in kinds and not _MOVES_BY_UVS.isdisjoint(kinds[kinds.index("BEVEL") :])
 
@@ -163,7 +166,13 @@ def made_of(item: bpy.types.Object) -> str:
 
     It does not tell all: simulations, and objects that nodes name, are seen by the outcome alone.
     """
+    if _is_joined(item):
+        return str(cast(Any, item.data)[MADE_OF])
     return hash_of(_Reader().of(item)) if is_made(item) else ""
+
+
+def _is_joined(item: bpy.types.Object) -> bool:
+    return isinstance(item.data, bpy.types.Mesh) and MADE_OF in cast(Any, item.data)
 
 
 class _Reader:

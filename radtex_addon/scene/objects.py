@@ -61,7 +61,7 @@ def _not_there(scene: bpy.types.Scene, name: str) -> str:
         if owners:
             return (
                 f"object '{name}' is in scene '{scene.name}' only as an instance of '{owners[0]}':"
-                f" make instances real (Object > Apply) and bake one of them"
+                f" join its instances, or make them real (Object > Apply), and bake these"
             )
         return f"object '{name}' is not in scene '{scene.name}': link it to one of the scene's collections"
     meshes = [item.name for item in scene.objects if may_have_faces(item)]
@@ -88,7 +88,8 @@ def _without_faces(found: bpy.types.Object) -> str:
     kind = types[found.type].name.lower()
     if found.type == "EMPTY" and found.instance_type == "COLLECTION":
         return (
-            f"object '{found.name}' instances a collection: make instances real (Object > Apply), bake those"
+            f"object '{found.name}' instances a collection: join its instances, or make them real "
+            "(Object > Apply), and bake these"
         )
     if found.type in {"CURVES", "POINTCLOUD", "GREASEPENCIL"}:
         return f"object '{found.name}' is a {kind}, not a mesh: convert it to a mesh (Object > Convert)"

@@ -16,6 +16,7 @@ from .operators.browser_operator import RADTEX_OT_show_in_browser
 from .operators.changes_operator import RADTEX_OT_dismiss_changes, RADTEX_OT_show_changes
 from .operators.delete_operator import RADTEX_OT_delete_bake
 from .operators.estimate_operator import RADTEX_OT_cancel_estimate, RADTEX_OT_estimate
+from .operators.instances_operator import RADTEX_OT_join_instances
 from .operators.job_operators import (
     RADTEX_OT_cancel,
     RADTEX_OT_cancel_here,
@@ -55,6 +56,7 @@ CLASSES = (
     RADTEX_PG_chosen,
     RADTEX_OT_bake,
     RADTEX_OT_bake_scene,
+    RADTEX_OT_join_instances,
     RADTEX_OT_apply_remedy,
     RADTEX_OT_estimate,
     RADTEX_OT_cancel_estimate,

@@ -159,7 +159,7 @@ def collection_instance(room: Path) -> tuple[Path, str]:
     group.objects.link(bpy.data.objects["Plain"])
     bpy.ops.object.collection_instance_add(collection="Group", location=(0, 9, 0))
     context.object.name = "Placed"
-    return room.with_name("placed.blend"), "instances a collection: make instances real (Object > Apply)"
+    return room.with_name("placed.blend"), "instances a collection: join its instances"
 
 
 def nodes_instance(room: Path) -> tuple[Path, str]:
@@ -175,13 +175,21 @@ def nodes_instance(room: Path) -> tuple[Path, str]:
     context.scene.collection.objects.link(placed)
     scatter: Any = placed.modifiers.new("scatter", "NODES")
     scatter.node_group = tree
-    return room.with_name("scattered.blend"), "add Realize Instances to its modifiers"
+    return room.with_name("scattered.blend"), "join its instances, or add Realize Instances to its modifiers"
 
 
 @pytest.mark.parametrize("make", [collection_instance, nodes_instance])
-def test_instances_are_refused_with_the_remedy(make: Any, room: Path, out: Path, batch: Batch) -> None:
+def test_instances_are_baked_but_of_several_frames(make: Any, room: Path, out: Path, batch: Batch) -> None:
     path, remedy = make(room)
     bpy.ops.wm.save_as_mainfile(filepath=str(path))
-    line = refusal(batch(path, "--object", "Placed", "--out", out, *QUALITY, "--progress", "none"))
+    asked = (path, "--object", "Placed", "--out", out, *QUALITY, "--progress", "none")
+    line = refusal(batch(*asked, "--frames", "1,2"))
     assert "object 'Placed'" in line
     assert remedy in line
+    ended = batch(*asked, "--save-preview")
+    assert ended.code == 0, ended.err
+    assert "'Placed' shows an instance: it is baked as one mesh" in ended.err
+    bpy.ops.wm.open_mainfile(filepath=str(out / "Placed.preview.blend"))
+    placed = bpy.data.objects["Placed"]
+    assert (placed.type, placed.hide_render) == ("MESH", False)
+    assert placed.location.y == (9 if make is collection_instance else bpy.data.objects["Plain"].location.y)

@@ -267,8 +267,8 @@ def test_an_instanced_collection_is_to_be_made_real(cube: Any) -> None:
     group.objects.link(cube)
     context.scene.collection.objects.unlink(cube)
     bpy.ops.object.collection_instance_add(collection="group")
-    refused(context.object, r"object 'group' instances a collection: make instances real")
-    refused(cube, r"object 'Cube' is in scene 'Scene' only as an instance of 'group': make instances real")
+    refused(context.object, r"object 'group' instances a collection: join its instances")
+    refused(cube, r"object 'Cube' is in scene 'Scene' only as an instance of 'group': join its instances")
 
 
 @pytest.mark.parametrize(
@@ -298,7 +298,10 @@ def test_instances_of_geometry_nodes_are_to_be_realized(cube: Any) -> None:
     group.links.new(shape.outputs[0], instances.inputs[0])
     group.links.new(instances.outputs[0], group.nodes.new("NodeGroupOutput").inputs[0])
     cube.modifiers.new("nodes", "NODES").node_group = group
-    refused(cube, r"object 'Cube' has no faces in renders: add Realize Instances to its modifiers")
+    refused(
+        cube,
+        r"object 'Cube' has no faces in renders: join its instances, or add Realize Instances",
+    )
 
 
 def test_hidden_objects(cube: Any) -> None:

@@ -322,7 +322,7 @@ def test_what_has_no_mesh_is_named_with_what_to_do() -> None:
     assert told.text == f"Left out: {', '.join(named)}"
     bpy.ops.object.collection_instance_add(collection=bpy.data.collections.new("Parts").name)
     (told,) = seen().not_baked
-    assert told.operator == "object.duplicates_make_real"
+    assert told.operator == "radtex.join_instances"
 
 
 def test_a_storage_that_is_no_longer_there_is_said() -> None:

@@ -14,10 +14,12 @@ import bpy
 import pytest
 
 from radtex_addon.job.bake_plan import plan_bakes
+from radtex_addon.report.finished_bake import objects_and_frame
 from radtex_addon.ui.jobs import jobs
 from radtex_addon.ui.operators.scene_operator import RADTEX_OT_bake_scene
 from radtex_addon.ui.panel import main_panel
 from radtex_addon.ui.panel.jobs_panel import _ask_to_resume, told_together
+from radtex_addon.ui.panel.not_baked import not_baked
 from radtex_addon.ui.settings.request import request_of, values_of
 from radtex_addon.worker.job import Job, JobState
 from radtex_addon.worker.together import Together, together_of
@@ -55,8 +57,8 @@ def _corner(out: Path) -> Iterator[None]:
 
 def foreseen(what: str = "ALL", *, again: bool = False) -> list[tuple[str, str]]:
     """What the dialog says."""
-    dialog: Any = SimpleNamespace(what=what, again=again, at_once=True, _drawn=None)
-    for name in ("_foreseen", "_found", "_chosen", "_plans"):
+    dialog: Any = SimpleNamespace(what=what, again=again, join=True, at_once=True, _drawn=None)
+    for name in ("_foreseen", "_found", "_chosen", "_collection", "_owners", "_plans"):
         setattr(dialog, name, getattr(RADTEX_OT_bake_scene, name).__get__(dialog))
     assert RADTEX_OT_bake_scene.check(dialog, context)
     assert not RADTEX_OT_bake_scene.check(dialog, context), "nothing has changed"
@@ -112,6 +114,49 @@ def test_the_scene_is_baked_once_and_again_if_asked(out: Path) -> None:
     assert ops.radtex.bake_scene(what="SELECTED", again=True) == {"FINISHED"}
     after = [path.stat().st_mtime_ns for path in found]
     assert (after[0] == before[0], after[1] > before[1]) == (True, True)
+
+
+def cups() -> Any:
+    """An empty that shows a collection with a cup and a lamp."""
+    cup, lamp = (
+        context.scene.objects["Cup"],
+        bpy.data.objects.new("Bulb", bpy.data.lights.new("Bulb", "POINT")),
+    )
+    shelf = bpy.data.collections.new("Shelf")
+    for item in (cup.copy(), lamp):
+        shelf.objects.link(item)
+    empty = bpy.data.objects.new("Second Cup", None)
+    empty.instance_type, empty.instance_collection = "COLLECTION", shelf
+    empty.location.x = -0.4
+    context.scene.collection.objects.link(empty)
+    return empty
+
+
+def test_instances_become_meshes_before_the_scene_is_baked() -> None:
+    empty = cups()
+    assert (
+        "Instances become meshes first: those of 'Second Cup'",
+        "OUTLINER_OB_GROUP_INSTANCE",
+    ) in foreseen()
+    assert ops.radtex.bake_scene() == {"FINISHED"}
+    made = context.scene.objects["Second Cup"]
+    assert (made.type, empty.name, empty.hide_render) == ("MESH", "Second Cup (instances)", True)
+    baked = {
+        name for path in Path(settings().directory).glob("*.json") for name in objects_and_frame(path)[0]
+    }
+    assert "Second Cup" in baked
+
+
+def test_a_button_joins_the_instances_that_are_selected() -> None:
+    empty = cups()
+    assert not ops.radtex.join_instances.poll()
+    empty.select_set(True)
+    (told,) = not_baked([empty])
+    assert (told.operator, told.button) == ("radtex.join_instances", "Join Instances")
+    assert ops.radtex.join_instances() == {"FINISHED"}
+    assert [item.name for item in context.view_layer.objects.selected] == ["Second Cup"]
+    assert context.view_layer.objects.active.type == "MESH"
+    assert "Second Cup Bulb" in context.scene.objects
 
 
 def test_the_panel_has_the_button() -> None:

@@ -216,6 +216,7 @@ def _running(node: ast.AST) -> Iterator[ast.AST]:
 READERS: dict[str, str] = {
     **dict.fromkeys(
         (
+            "cli/collection_objects",
             "cli/run_compare",
             "farm/assemble_farm",
             "farm/freeze_scene",
@@ -224,6 +225,7 @@ READERS: dict[str, str] = {
             "job/layout_choice",
             "job/assets",
             "job/scene_atlases",
+            "job/instances",
             "job/left_out",
             "job/preflight",
             "job/previews",
@@ -233,6 +235,7 @@ READERS: dict[str, str] = {
             "ui/jobs/bake_times",
             "ui/operators/bake_operator",
             "ui/operators/delete_operator",
+            "ui/operators/instances_operator",
             "ui/panel/forecast",
             "ui/panel/request_checks",
             "ui/settings/object_settings",

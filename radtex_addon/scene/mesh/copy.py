@@ -11,6 +11,7 @@ patches that are small enough for one thread.
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import Any, cast
 
 import bpy
@@ -22,6 +23,7 @@ from ...core.errors import ShapeError
 from ...core.frame import DEGENERATE, fallback_tangent, normalised
 from ...core.islands import weld
 from ...core.surface import SurfaceMesh, patches
+from ..geometry_digests import DRIFTS, MADE_OF
 from .attribute_arrays import ATTRIBUTE_LAYOUT
 from .evaluated import EvaluatedMesh, MeshAttribute
 from .painted_weights import WEIGHT
@@ -118,20 +120,40 @@ def baked_mesh_steps(evaluated: EvaluatedMesh, uv: Floats, layer: str = UV_LAYER
     count = len(evaluated.triangles)
     if uv.shape != (count, 3, 2):
         raise ShapeError(f"uv: expected shape {(count, 3, 2)}, got {uv.shape}")
-    mesh = bpy.data.meshes.new(evaluated.name)
-    _build(mesh, evaluated)
-    ours = {layer, NORMAL, TANGENT, SIGN, MATERIAL, WEIGHT}
-    for attribute in evaluated.attributes:
-        if attribute.name not in ours:
-            _write(mesh, attribute)
-    for material in evaluated.materials:
-        mesh.materials.append(material)
+    mesh = _built(evaluated, {layer, NORMAL, TANGENT, SIGN, MATERIAL, WEIGHT})
     if len(evaluated.materials) > 1:
         write_face_numbers(mesh, MATERIAL, evaluated.material_index)
     _write(mesh, MeshAttribute(layer, "CORNER", "FLOAT2", uv))
     _choose_active(mesh, evaluated, layer)
     yield from _write_frame(mesh, evaluated, uv)
     cast(Any, mesh)[MATRIX] = evaluated.matrix_world.ravel().tolist()
+    return mesh
+
+
+def plain_mesh(evaluated: EvaluatedMesh) -> bpy.types.Mesh:
+    """A mesh that renders as the evaluated one does, with its UV layers, attributes, materials and normals.
+
+    What it is made of goes with it, so that it is told apart as the evaluated mesh would be.
+    """
+    mesh = _built(evaluated, set())
+    _choose_active(mesh, evaluated, evaluated.active_uv)
+    _write_normals(mesh, evaluated)
+    _settle_normals(mesh, evaluated)
+    if evaluated.made_of:
+        kept = cast(Any, mesh)
+        kept[MADE_OF], kept[DRIFTS] = evaluated.made_of, evaluated.drifts
+    return mesh
+
+
+def _built(evaluated: EvaluatedMesh, without: Collection[str]) -> bpy.types.Mesh:
+    """A mesh with the vertices, triangles, materials and attributes of an evaluated one, `without` some."""
+    mesh = bpy.data.meshes.new(evaluated.name)
+    _build(mesh, evaluated)
+    for attribute in evaluated.attributes:
+        if attribute.name not in without:
+            _write(mesh, attribute)
+    for material in evaluated.materials:
+        mesh.materials.append(material)
     return mesh
 
 
@@ -242,9 +264,10 @@ def _write(mesh: Any, attribute: MeshAttribute) -> None:
     layer.data.foreach_set(name, np.ascontiguousarray(attribute.values, dtype=dtype).ravel())
 
 
-def _choose_active(mesh: bpy.types.Mesh, evaluated: EvaluatedMesh, layer: str) -> None:
-    mesh.uv_layers.active = mesh.uv_layers[layer]
-    mesh.uv_layers[layer].active_render = True
+def _choose_active(mesh: bpy.types.Mesh, evaluated: EvaluatedMesh, layer: str | None) -> None:
+    if layer is not None:
+        mesh.uv_layers.active = mesh.uv_layers[layer]
+        mesh.uv_layers[layer].active_render = True
     colours = mesh.color_attributes
     if evaluated.active_color and evaluated.active_color in colours:
         colours.active_color_name = evaluated.active_color
@@ -254,9 +277,7 @@ def _choose_active(mesh: bpy.types.Mesh, evaluated: EvaluatedMesh, layer: str) -
 
 def _write_frame(mesh: bpy.types.Mesh, evaluated: EvaluatedMesh, uv: Floats) -> Steps[None]:
     """Give the mesh its normals, and the frame of `uv` (F, 3, 2) as attributes. Yields progress."""
-    normal = evaluated.normal.reshape(-1, 3)
-    _write(mesh, MeshAttribute("custom_normal", "CORNER", "FLOAT_VECTOR", normal))
-    mesh.update()
+    normal = _write_normals(mesh, evaluated)
     corners = evaluated.normal.reshape(-1, 3, 3)
     found = yield from calc_tangents_steps(evaluated.position, evaluated.triangles, corners, uv)
     tangent, sign = found[0].reshape(-1, 3), found[1].ravel()
@@ -269,6 +290,14 @@ def _write_frame(mesh: bpy.types.Mesh, evaluated: EvaluatedMesh, uv: Floats) -> 
     _write(mesh, MeshAttribute(TANGENT, "CORNER", "FLOAT_VECTOR", tangent))
     _write(mesh, MeshAttribute(SIGN, "CORNER", "FLOAT", np.where(sign < 0, np.float32(-1), np.float32(1))))
     _settle_normals(mesh, evaluated)
+
+
+def _write_normals(mesh: bpy.types.Mesh, evaluated: EvaluatedMesh) -> Floats:
+    """Give the mesh its normals as exact vectors, and return them, (3F, 3)."""
+    normal: Floats = evaluated.normal.reshape(-1, 3)
+    _write(mesh, MeshAttribute("custom_normal", "CORNER", "FLOAT_VECTOR", normal))
+    mesh.update()
+    return normal
 
 
 def _settle_normals(mesh: bpy.types.Mesh, evaluated: EvaluatedMesh) -> None:

@@ -11,7 +11,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, TypeVar, cast
 
 import bpy
@@ -183,6 +183,12 @@ def _check(mesh: EvaluatedMesh, *, warns: bool = True) -> None:
     refuse_displacement(mesh.name, shown)
     if not (np.abs(mesh.normal) < FARTHEST).all():
         raise InputError(f"object '{mesh.name}' has normals that are not finite: clear its custom normals")
+    if mesh.instances and warns:
+        log.warning(
+            "'%s' shows %d instances, which are not baked with it: join them, or make them real",
+            mesh.name,
+            mesh.instances,
+        )
     check_matrix(mesh.name, mesh.matrix_world)
     check_extent(mesh.name, mesh.world_position, warns=warns)
 
@@ -276,6 +282,36 @@ def _tiny(scratch: bpy.types.Scene) -> Iterator[None]:
             setattr(render, name, value)
         scratch.camera = camera
         bpy.data.cameras.remove(lens)  # and the object with it
+
+
+def read_shown(rendered: Any) -> EvaluatedMesh | None:
+    """The mesh of what a render's depsgraph shows, maybe an instance, at its own place; None without faces.
+
+    Its `active_uv` is the layer that renders take where none is named. Raises InputError for coordinates that
+    are not finite.
+    """
+    mesh = cast(Any, rendered.to_mesh())
+    try:
+        if len(mesh.polygons) == 0:
+            return None
+        found = _read_mesh(rendered.name, mesh, rendered, 0, None)
+        shown = (None if one is None else one.original for one in materials_shown(rendered, mesh))
+        uv = next((layer.name for layer in mesh.uv_layers if layer.active_render), None)
+        return replace(found, materials=tuple(cast("Any", shown)), active_uv=uv)
+    finally:
+        rendered.to_mesh_clear()
+
+
+def materials_shown(item: Any, mesh: Any) -> list[bpy.types.Material | None]:
+    """The materials of an evaluated object's mesh; the object may have others in their place.
+
+    Geometry nodes instance bare meshes: there the slots are of the object that has the nodes.
+    """
+    materials = list(mesh.materials)
+    for place, slot in enumerate(item.material_slots[: len(materials)]):
+        if slot.link == "OBJECT":
+            materials[place] = slot.material
+    return materials
 
 
 def _read_object(name: str, rendered: bpy.types.Object, instances: int, weights: str | None) -> EvaluatedMesh:

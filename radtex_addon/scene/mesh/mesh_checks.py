@@ -67,7 +67,9 @@ def check_extent(name: str, position: Floats, *, warns: bool = True) -> None:
 
 def no_faces(name: str, instances: int = 0) -> InputError:
     """The error of an object without faces in renders; `instances` is how many instances it makes."""
-    hint = "add Realize Instances to its modifiers" if instances else "give it some, or name another"
+    hint = "give it some, or name another"
+    if instances:
+        hint = "join its instances, or add Realize Instances to its modifiers"
     return InputError(f"object '{name}' has no faces in renders: {hint}")
 
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from ...core.arrays import Bools, Floats, Ints
 from ..surfaces import is_own_mesh
-from .evaluated import render_with
+from .evaluated import materials_shown, render_with
 
 RAYS = ("camera", "diffuse", "glossy", "transmission", "volume_scatter", "shadow")
 _Read = TypeVar("_Read")
@@ -55,7 +55,8 @@ class Shown:
     """One thing in a render: an object by itself, or an instance of one. See `read_render`.
 
     `evaluated` is the object as it renders, `original` what it was evaluated from, and `owner` the original
-    of the scene's object that puts it there: the object itself, or the one that instances it. `matrix` (4, 4)
+    of the scene's object that puts it there: the object itself, or the one that instances it, maybe by its
+    particles (`of_particles`). `matrix` (4, 4)
     float64, from object to world, and `bounds` (8, 3), the corners of its box in the world, may have values
     that are not finite.
     """
@@ -63,6 +64,7 @@ class Shown:
     evaluated: Any
     is_instance: bool
     matrix: Floats
+    of_particles: bool
     _evaluated_owner: Any
     _layer: Any
     _shapes: dict[tuple[int, int], Shape | None]
@@ -120,10 +122,11 @@ def read_render(scratch: bpy.types.Scene, read: Callable[[Iterator[Shown]], _Rea
     Things are only valid until the next one is taken. Raises BakeError where Blender does not render, and
     what `read` raises.
     """
-    return render_with(scratch, lambda graph: read(_shown_in(graph)))
+    return render_with(scratch, lambda graph: read(shown_in(graph)))
 
 
-def _shown_in(graph: bpy.types.Depsgraph) -> Iterator[Shown]:
+def shown_in(graph: bpy.types.Depsgraph) -> Iterator[Shown]:
+    """All that the depsgraph of a render shows, lamps included; valid until the next one is taken."""
     shapes: dict[tuple[int, int], Shape | None] = {}
     for instance in graph.object_instances:
         if not instance.show_self:
@@ -132,7 +135,8 @@ def _shown_in(graph: bpy.types.Depsgraph) -> Iterator[Shown]:
         owner = instance.parent if instance.is_instance and instance.parent else item
         matrix = np.array(instance.matrix_world, dtype=np.float64)
         is_instance = instance.is_instance and not is_own_mesh(instance)
-        yield Shown(item, is_instance, matrix, owner, graph.view_layer, shapes)
+        of_particles = is_instance and instance.particle_system is not None
+        yield Shown(item, is_instance, matrix, of_particles, owner, graph.view_layer, shapes)
 
 
 def read_beside(scratch: bpy.types.Scene, baked: bpy.types.Object) -> Beside:
@@ -195,10 +199,7 @@ def _shape_of(item: bpy.types.Object, left_out: _LeftOut) -> Shape | None:
 
 def _kept(item: bpy.types.Object, mesh: bpy.types.Mesh, index: Ints, left_out: _LeftOut) -> Bools:
     """Which triangles, by their material indices `index` (F,), have a material that is kept: (F,)."""
-    materials = list(mesh.materials)
-    for place, slot in enumerate(item.material_slots[: len(materials)]):
-        if slot.link == "OBJECT":
-            materials[place] = slot.material
+    materials = materials_shown(item, mesh)
     if not materials:
         return np.ones(len(index), dtype=bool)
     kept = np.array([not left_out(material) for material in materials])

@@ -15,7 +15,9 @@ from ..panel.labels import duration, iface_, remark
 from ..settings.chosen_objects import chosen_by, selected_meshes
 from .bake_operator import bake_here, can_bake, check_plan, questions, show_objects, shown
 from .export_dialog import WIDTH
+from .instances_operator import join_and_tell, selected_owners, told_owners
 from .operator_mixins import MayWait
+from .undo import push_step
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -48,7 +50,8 @@ class RADTEX_OT_bake_scene(MayWait, bpy.types.Operator):
     if TYPE_CHECKING:  # types of the properties that Blender creates from the annotations below
         what: str
         again: bool
-        _drawn: tuple[str, bool] | None  # the choices that the lines are of
+        join: bool
+        _drawn: tuple[str, bool, bool] | None  # the choices that the lines are of
         _lines: tuple[tuple[str, str], ...]  # what the dialog says, each with its icon
     else:
         _drawn, _lines = None, ()
@@ -63,6 +66,14 @@ class RADTEX_OT_bake_scene(MayWait, bpy.types.Operator):
             name="Bake Again",
             description="Replace finished bakes. Otherwise these stay, and what was begun is gone on with",
             default=False,
+            options={"SKIP_SAVE"},
+        )
+
+        join: BoolProperty(
+            name="Join Instances",
+            description="Make meshes of the instances of collections and of geometry nodes, and bake these; "
+            "the objects that show them are hidden, which Undo takes back. Otherwise instances are not baked",
+            default=True,
             options={"SKIP_SAVE"},
         )
 
@@ -83,15 +94,17 @@ class RADTEX_OT_bake_scene(MayWait, bpy.types.Operator):
 
     def check(self, context: bpy.types.Context | None) -> bool:
         """Plan anew if the dialog's choices have changed; returns whether it has to be drawn again."""
-        if self._drawn == (self.what, self.again):
+        choices = self.what, self.again, self.join
+        if self._drawn == choices:
             return False
-        self._drawn, self._lines = (self.what, self.again), self._foreseen(context)
+        self._drawn, self._lines = choices, self._foreseen(context)
         return True
 
     def draw(self, context: bpy.types.Context | None) -> None:
         layout: Any = self.layout
         layout.prop(self, "what", expand=True)
         layout.prop(self, "again")
+        layout.prop(self, "join")
         column = layout.column(align=True)
         for line, icon in self._lines:
             draw_wrapped(column, line, icon, WIDTH - _ICON)
@@ -103,6 +116,8 @@ class RADTEX_OT_bake_scene(MayWait, bpy.types.Operator):
 
         scene, layer = shown(context)
         try:
+            if (owners := self._owners(scene, layer)) and join_and_tell(self, scene, owners):
+                push_step("Join Instances")
             found = self._found(scene, layer, inf if self.at_once else _PATIENCE)
             show_objects(scene, found.kept)
             plans, atlases = self._plans(scene, found.kept)
@@ -143,11 +158,27 @@ class RADTEX_OT_bake_scene(MayWait, bpy.types.Operator):
 
         if self.what == "SELECTED":
             return selected_meshes(layer)
+        return meshes_of(self._collection(scene, layer), layer)
+
+    def _collection(self, scene: bpy.types.Scene, layer: bpy.types.ViewLayer) -> bpy.types.Collection | None:
         if self.what == "ALL":
-            return meshes_of(scene.collection, layer)
+            return scene.collection
         active = layer.active_layer_collection
-        collection = chosen_by(scene).collection or (None if active is None else active.collection)
-        return meshes_of(collection, layer)
+        return chosen_by(scene).collection or (None if active is None else active.collection)
+
+    def _owners(self, scene: bpy.types.Scene, layer: bpy.types.ViewLayer) -> list[bpy.types.Object]:
+        """The objects whose instances are to become meshes."""
+        from ...scene.mesh.instance_parts import shows_instances
+        from ...scene.objects import is_rendered
+
+        if not self.join:
+            return []
+        if self.what == "SELECTED":
+            return selected_owners(layer)
+        collection = self._collection(scene, layer)
+        if collection is None:
+            return []
+        return [item for item in collection.all_objects if shows_instances(item) and is_rendered(item, layer)]
 
     def _plans(
         self, scene: bpy.types.Scene, names: Sequence[str], *, guess: bool = False
@@ -188,7 +219,9 @@ class RADTEX_OT_bake_scene(MayWait, bpy.types.Operator):
             asked = questions(plans)
         except RadTexError as error:
             return ((remark(error), "ERROR"),)
-        lines = [(remark(atlas.told), "TEXTURE") for atlas in atlases[:_MOST]]
+        owners = self._owners(scene, layer)
+        lines = [(told_owners(owners), "OUTLINER_OB_GROUP_INSTANCE")] if owners else []
+        lines += [(remark(atlas.told), "TEXTURE") for atlas in atlases[:_MOST]]
         if more := len(atlases[_MOST:]):
             lines.append((iface_("and {} more").format(more), "BLANK1"))
         if not bakes:

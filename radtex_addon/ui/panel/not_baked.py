@@ -53,8 +53,8 @@ def not_baked(items: Iterable[bpy.types.Object]) -> tuple[NotBaked, ...]:
         alone = len(others) == len(chosen)  # converting applies the modifiers of all selected meshes
         found.append(NotBaked(text, CONVERT, "Convert to Mesh") if alone else NotBaked(text))
     if instances:
-        text = f"'{instances[0].name}' shows a collection's instances, which are no objects. Make them real"
-        found.append(NotBaked(text, "object.duplicates_make_real", "Make Instances Real"))
+        text = f"'{instances[0].name}' shows a collection's instances, which are no objects. Join them"
+        found.append(NotBaked(text, "radtex.join_instances", "Join Instances"))
     if rest:
         found.append(NotBaked(_without_mesh(rest, alone=len(others) == len(chosen))))
     return tuple(found)
