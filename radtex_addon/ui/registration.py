@@ -9,7 +9,7 @@ from typing import Any
 import bpy
 
 from .jobs import estimates, jobs
-from .operators import keys
+from .operators import keys, texels_operator
 from .operators.apply_operators import RADTEX_OT_apply_to_copy, RADTEX_OT_make_asset
 from .operators.bake_operator import RADTEX_OT_bake
 from .operators.browser_operator import RADTEX_OT_show_in_browser
@@ -27,6 +27,7 @@ from .operators.job_operators import (
 )
 from .operators.remedy_operator import RADTEX_OT_apply_remedy
 from .operators.scene_operator import RADTEX_OT_bake_scene
+from .operators.texels_operator import RADTEX_OT_show_texels
 from .panel import finished_panel, forecast, list_panel, menus, panel_state
 from .panel.cost_panel import RADTEX_PT_cost
 from .panel.jobs_panel import RADTEX_PT_jobs
@@ -57,6 +58,7 @@ CLASSES = (
     RADTEX_OT_bake,
     RADTEX_OT_bake_scene,
     RADTEX_OT_join_instances,
+    RADTEX_OT_show_texels,
     RADTEX_OT_apply_remedy,
     RADTEX_OT_estimate,
     RADTEX_OT_cancel_estimate,
@@ -105,6 +107,7 @@ def register() -> None:
 
 def unregister() -> None:
     """Undo `register`, in reverse order."""
+    texels_operator.hide()
     panel_state.unregister()
     estimates.unregister()
     jobs.unregister()

@@ -17,6 +17,7 @@ from radtex_addon.job.bake_plan import plan_bakes
 from radtex_addon.report.finished_bake import objects_and_frame
 from radtex_addon.ui.jobs import jobs
 from radtex_addon.ui.operators.scene_operator import RADTEX_OT_bake_scene
+from radtex_addon.ui.operators.texels_operator import atlases_of_scene, squares_of
 from radtex_addon.ui.panel import main_panel
 from radtex_addon.ui.panel.jobs_panel import _ask_to_resume, told_together
 from radtex_addon.ui.panel.not_baked import not_baked
@@ -199,3 +200,19 @@ def test_an_object_of_a_scene_is_resumed_with_its_texels() -> None:
     button = SimpleNamespace()
     _ask_to_resume(button, cast(Job, SimpleNamespace(order=order, object="Floor")))
     assert (button.object, button.texels, button.resume) == ("Floor", 304, True)
+
+
+def test_squares_are_as_large_as_texels_and_red_where_there_are_more() -> None:
+    layer = context.view_layer
+    layer.update()
+    atlases = atlases_of_scene(context.scene, layer)
+    assert {name for atlas in atlases for name in atlas.objects} == {"Floor", "Wall N", "Wall W", *FURNITURE}
+    squares = {one.name: one for one in squares_of(atlases, 0.01)}  # units of a centimetre
+    densities = {name: atlas.density for atlas in atlases for name in atlas.objects}
+    for name, one in squares.items():
+        assert one.size * densities[name] == pytest.approx(100)
+    assert densities["Cup"] > densities["Floor"], "small things have more"
+    assert squares["Cup"].tint[0] > squares["Floor"].tint[0]
+    assert squares["Cup"].tint[2] < squares["Floor"].tint[2]
+    assert squares_of([], 1) == []
+    assert not ops.radtex.show_texels.poll(), "there is no viewport here"

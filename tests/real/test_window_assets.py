@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Objects that touch in Blender's window: the panel says that they are one asset, and one job bakes it."""
+"""Several objects in Blender's window: those that touch are one asset, and texels are seen before a bake."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from time import sleep
 from tests.real.panel import choose, jobs, press, settle, wait_for_end
 from tests.real.window import Window, changed
 
+TEXELS = 49  # pixels from the sidebar's right edge to the button that shows texels
 AWAY = 500, 600  # a place in the 3D view
 SECONDS_TO_GLIDE = 1.5  # for the panels below the button, which the lines have moved
 PANEL = 1030, 60, 1290, 500  # the sidebar from its top to the lines below the button
@@ -39,3 +40,20 @@ def test_the_panel_offers_an_asset_and_one_job_bakes_it(window: Window) -> None:
     told = wait_for_end(window)
     assert (told.what, told.state) == ("Suzanne_asset", "done"), told.message
     assert len(jobs(window)) == 1
+
+
+def test_texels_are_shown_before_anything_is_baked(window: Window) -> None:
+    choose(window, "Suzanne", atlas_layout="auto", texels=64, samples=1)
+    button = window.find("radtex.show_texels(", right=TEXELS)
+    window.point(*AWAY)
+    settle(window)
+    plain = window.picture("plain")
+    window.click(*button)
+    window.point(*AWAY)
+    settle(window)
+    shown = window.shot("texels")
+    assert changed(plain, shown) > 0.1
+    window.click(*button)
+    window.point(*AWAY)
+    settle(window)
+    assert changed(plain, window.picture("plain again")) < 0.02

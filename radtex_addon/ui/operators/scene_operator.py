@@ -34,9 +34,7 @@ _WHAT = (
     ("COLLECTION", "Collection", "The collection that the panel has chosen, or else the active one"),
     ("SELECTED", "Selected", "The selected meshes"),
 )
-_PATIENCE = (
-    1.0  # seconds that sorting out may take before bakes are queued; each bake checks its object again
-)
+PATIENCE = 1.0  # seconds that sorting out may take before bakes are queued; each bake checks its object again
 _MOST, _ICON = 8, 40  # lines of a sort in the dialog, and pixels beside each
 
 
@@ -118,7 +116,7 @@ class RADTEX_OT_bake_scene(MayWait, bpy.types.Operator):
         try:
             if (owners := self._owners(scene, layer)) and join_and_tell(self, scene, owners):
                 push_step("Join Instances")
-            found = self._found(scene, layer, inf if self.at_once else _PATIENCE)
+            found = self._found(scene, layer, inf if self.at_once else PATIENCE)
             show_objects(scene, found.kept)
             plans, atlases = self._plans(scene, found.kept)
             for line in left_out_lines(found.left_out):
@@ -187,22 +185,11 @@ class RADTEX_OT_bake_scene(MayWait, bpy.types.Operator):
 
         Objects with settings of their own are baked by these, each into an atlas of its own.
         """
-        from ...job.assets import read_shown
         from ...job.bake_plan import plan_bakes
-        from ...job.scene_atlases import find_scene_atlases, requests_of
-        from ..settings.object_settings import by_settings
-        from ..settings.request import request_of, values_of
 
-        requests: list[BakeRequest] = []
-        atlases: list[SceneAtlas] = []
-        for settings, group in by_settings(scene, names):
-            course = {"together": "off", "overwrite": self.again, "resume": not self.again}
-            request = request_of(values_of(settings) | course, group)
-            found = find_scene_atlases(scene, request, read_shown(scene)) if settings == scene.radtex else ()  # type: ignore[attr-defined]  # ours, not Blender's
-            atlases += found
-            requests += requests_of(request, found)
+        requests, atlases = requests_and_atlases(scene, names, again=self.again)
         plans = [plan_bakes(scene, request, guess=guess) for request in requests]
-        return [plan for plan in plans if self.again or not plan.is_done], tuple(atlases)
+        return [plan for plan in plans if self.again or not plan.is_done], atlases
 
     def _foreseen(self, context: bpy.types.Context | None) -> tuple[tuple[str, str], ...]:
         """What the dialog says of the bakes, a line each, with its icon."""
@@ -212,7 +199,7 @@ class RADTEX_OT_bake_scene(MayWait, bpy.types.Operator):
 
         scene, layer = shown(context)
         try:
-            found = self._found(scene, layer, _PATIENCE)
+            found = self._found(scene, layer, PATIENCE)
             plans, atlases = self._plans(scene, found.kept, guess=True)
             bakes = [bake for plan in plans for bake in plan.wanted]
             known = estimates.seconds_known(scene, bakes) if bakes else None
@@ -231,3 +218,23 @@ class RADTEX_OT_bake_scene(MayWait, bpy.types.Operator):
             lines.append((told.format(len(bakes), duration(known.seconds)), "TIME"))
         lines += [(question, "ERROR") for question in asked[:_MOST]]
         return (*lines, *((remark(line), "INFO") for line in left_out_lines(found.left_out)[:_MOST]))
+
+
+def requests_and_atlases(
+    scene: bpy.types.Scene, names: Sequence[str], *, again: bool
+) -> tuple[list[BakeRequest], tuple[SceneAtlas, ...]]:
+    """The requests that bake these objects, and the scene's atlases among them. Raises InputError."""
+    from ...job.assets import read_shown
+    from ...job.scene_atlases import find_scene_atlases, requests_of
+    from ..settings.object_settings import by_settings
+    from ..settings.request import request_of, values_of
+
+    requests: list[BakeRequest] = []
+    atlases: list[SceneAtlas] = []
+    for settings, group in by_settings(scene, names):
+        course = {"together": "off", "overwrite": again, "resume": not again}
+        request = request_of(values_of(settings) | course, group)
+        found = find_scene_atlases(scene, request, read_shown(scene)) if settings == scene.radtex else ()  # type: ignore[attr-defined]  # ours, not Blender's
+        atlases += found
+        requests += requests_of(request, found)
+    return requests, tuple(atlases)

@@ -12,6 +12,7 @@ from typing import Any, cast
 import bpy
 
 from ..operators.switch import LARGE
+from ..operators.texels_operator import is_on as texels_shown
 from ..settings.bake_settings import BakeSettings
 from ..settings.chosen_objects import chosen_by, nothing_chosen, told_names
 from ..settings.object_settings import edited_settings, owner_of
@@ -181,6 +182,7 @@ def _draw_buttons(layout: Any, found: Forecast | None) -> None:
         _draw_bake(row, found, text, "RENDER_STILL")
     row = layout.row(align=True)
     row.operator("radtex.bake_scene", text=iface_("Bake the Scene…"), icon="SCENE_DATA", translate=False)
+    row.operator("radtex.show_texels", text="", icon="TEXTURE", depress=texels_shown())
     can_choose = doing in (Next.RESUME, Next.REPLACE) and found is not None and not found.unfinished
     if found is not None and can_choose and found.finished > 1:
         row = layout.row(align=True)

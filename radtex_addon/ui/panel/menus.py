@@ -21,6 +21,8 @@ class RADTEX_MT_object(bpy.types.Menu):
         layout.operator("radtex.bake", icon="RENDER_STILL")
         layout.operator("radtex.bake", text="Resume Bake", icon="PLAY").resume = True
         layout.operator_menu_enum("radtex.bake_scene", "what", icon="SCENE_DATA")
+        layout.operator("radtex.join_instances", icon="OUTLINER_OB_GROUP_INSTANCE")
+        layout.operator("radtex.show_texels", icon="TEXTURE")
         layout.operator("radtex.estimate", icon="TIME")
         layout.separator()
         layout.operator("radtex.preview_toggle", icon="HIDE_OFF")
