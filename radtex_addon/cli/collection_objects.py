@@ -28,13 +28,13 @@ def with_collections(scene: bpy.types.Scene, request: Request, report: Report) -
     `report` says why; objects that are named are not looked at. Instances become meshes of the scene. Raises
     InputError for a collection that is not there or has no mesh, and if nothing is left.
     """
-    request = _with_instances(scene, request, report)
+    request, hidden = _with_instances(scene, request, report)
     bakes = request.bakes
     collections = (scene.collection.name,) if request.everything else request.collections
     if not collections:
         return request
     inside = [item for name in collections for item in objects_named(scene, name)]
-    inside = [item for item in dict.fromkeys(inside) if item.name not in bakes.objects]
+    inside = [item for item in dict.fromkeys(inside) if item.name not in {*bakes.objects, *hidden}]
     surfaces = [item.name for item in inside if not _has_no_surface(item)]
     found = find_bakeable(
         scene, surfaces, bakes.spec, preview=bakes.saves_preview, now=not bakes.frames, evaluate=True
@@ -48,24 +48,27 @@ def with_collections(scene: bpy.types.Scene, request: Request, report: Report) -
     return replace(request, bakes=bakes, collections=(), everything=False)
 
 
-def _with_instances(scene: bpy.types.Scene, request: Request, report: Report) -> Request:
-    """Make meshes of the instances that these objects show, and report it; the request names all of them.
+def _with_instances(scene: bpy.types.Scene, request: Request, report: Report) -> tuple[Request, set[str]]:
+    """Make meshes of the instances that these objects show, and report it.
 
-    For several frames nothing is done: instances may be others in each.
+    Returns the request, which names all of them, and the names of the objects that are hidden now. For
+    several frames nothing is done, as instances may be others in each; nor for the panel, which has asked.
     """
     bakes = request.bakes
-    if bakes.frames:
-        return request
-    named = [scene.objects[name] for name in bakes.objects if name in scene.objects]
-    known = (scene.collection, *scene.collection.children_recursive)
-    of = [each for each in known if request.everything or each.name in request.collections]
-    inside = [item for each in of for item in each.all_objects]
-    made, messages = join_instances(scene, [*named, *inside], bakes.spec.frame, as_one=request.parent_pipe)
+    if bakes.frames or request.parent_pipe:
+        return request, set()
+    known, layers = scene.objects, (scene.collection, *scene.collection.children_recursive)
+    of = [each for each in layers if request.everything or each.name in request.collections]
+    asked = [known[name] for name in bakes.objects if name in known]
+    if len(asked) < len(bakes.objects):  # which may be one of those to be made
+        asked = list(known)
+    made, messages = join_instances(scene, [*asked, *(item for each in of for item in each.all_objects)])
     for one in made:
         report.event("note", message=one.told)
     for message in messages:
         report.event("warning", **told(message))
-    return replace(request, bakes=replace(bakes, objects=tuple(names_joined(made, bakes.objects))))
+    bakes = replace(bakes, objects=tuple(names_joined(made, bakes.objects)))
+    return replace(request, bakes=bakes), {one.hidden for one in made}
 
 
 def _has_no_surface(item: bpy.types.Object) -> bool:

@@ -7,7 +7,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..job.instances import join_for
 from ..job.probes import probe_steps
 from ..job.variants import Bake
 from ..worker.orders import MEASURING
@@ -34,8 +33,6 @@ class EstimateRequest:
 def run_estimate(request: EstimateRequest, report: Report, interruption: Interruption) -> None:
     """Measure each bake, and report what was found, all at the end. Raises RadTexError."""
     scene = open_asked(request, interruption)
-    for name, spec in request.bakes:
-        join_for(scene, spec.objects or (name,), spec.frame)
     total, probes = len(request.bakes), []
     for number, (name, spec) in enumerate(request.bakes):
         report.event("progress", object=name, stage=MEASURING, done=number, total=total, seconds_left=None)

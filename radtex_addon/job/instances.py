@@ -10,17 +10,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
 import bpy
 import numpy as np
 from mathutils import Matrix
 
 from ..core.arrays import Floats
+from ..core.errors import InputError
 from ..core.messages import Message, do
 from ..preview.light_linking import link_alike
-from ..preview.swap import homes
-from ..scene.mesh.copy import copy_object, plain_mesh
+from ..preview.swap import homes, previews_not_rendered, stand_in
+from ..scene.mesh.copy import plain_mesh
 from ..scene.mesh.instance_parts import (
     Lamp,
     Owned,
@@ -31,19 +32,20 @@ from ..scene.mesh.instance_parts import (
     shows_instances,
 )
 from ..scene.objects import animates_visibility, is_linked, is_rendered
-from ..scene.scratch import at_frame, find_view_layer, scratch_scene
+from ..scene.scratch import find_view_layer, scratch_scene
 
 _HIDDEN = " (instances)"  # is added to the name of the object that shows them
-_RAYS = ("camera", "diffuse", "glossy", "transmission", "volume_scatter", "shadow")
+_NAMED = 50  # bytes of that name that are kept: Blender 4.5 has 63
 _SHEARED = 1e-5  # relative to a matrix's largest value
 _REAL = do("make instances real (Object > Apply)")
 
 
 @dataclass(frozen=True)
 class Joined:
-    """Objects that were made in the place of the instances of the one called `name`."""
+    """Objects in the place of the instances of the one that was called `name`, and is `hidden` now."""
 
     name: str
+    hidden: str
     objects: tuple[str, ...]
     instances: int
 
@@ -58,49 +60,50 @@ class Joined:
 
 
 def join_instances(
-    scene: bpy.types.Scene,
-    items: Sequence[bpy.types.Object],
-    frame: int | None = None,
-    *,
-    as_one: bool = False,
+    scene: bpy.types.Scene, items: Sequence[bpy.types.Object]
 ) -> tuple[list[Joined], list[Message]]:
-    """Make meshes of the instances of those `items` that show any, at a `frame`; with messages on the others.
+    """Make meshes of the instances of those `items` that show any, with messages on those that cannot be.
 
-    With `as_one`, only where one object of the same name can take the place. Objects without instances stay
-    as they are. The scene is changed for good. Raises BakeError where Blender does not render.
+    Objects without instances stay as they are. The scene is changed for good. Raises BakeError where Blender
+    does not render.
     """
     layer = find_view_layer(scene, None)
     owners = [item for item in dict.fromkeys(items) if shows_instances(item) and is_rendered(item, layer)]
     if not owners:
         return [], []
-    with at_frame(scene, frame), scratch_scene(scene) as scratch:
+    with scratch_scene(scene) as scratch, previews_not_rendered(scratch):
         read = read_owned(scratch, owners)
-        found = [(owned, () if owned.why_not else joined_parts(owned)) for owned in read]
     made, messages = [], []
-    for owned, parts in found:
-        if why := _why_not(owned, parts, as_one):
-            problem = f"the instances that '{owned.owner.name}' shows are not baked: {why}"
+    for owned in read:
+        try:
+            parts = _parts_of(owned)
+        except InputError as error:
+            problem = f"the instances that '{owned.owner.name}' shows are not baked: {error.message.problem}"
             messages.append(Message(problem, (_REAL,)))
-        elif parts:
-            made.append(_replace(owned, parts))
+        else:
+            if parts:
+                made.append(_replace(owned, parts))
     if made:
         layer.update()
     return made, messages
 
 
-def _why_not(owned: Owned, parts: Sequence[Part], as_one: bool) -> str:
+def _parts_of(owned: Owned) -> list[Part]:
+    """The meshes that take the owner's place. Raises InputError, which says why there cannot be any."""
+    owner = owned.owner
     if owned.why_not:
-        return owned.why_not
-    if is_linked(owned.owner):
-        return "it is linked from another file, where nothing can be hidden"
-    if animates_visibility(owned.owner):
-        return "its visibility is animated"
+        raise InputError(owned.why_not)
+    if is_linked(owner):
+        raise InputError("it is linked from another file, where nothing can be hidden")
+    if animates_visibility(owner):
+        raise InputError("its visibility is animated")
+    if owner.mode != "OBJECT":
+        raise InputError("it is being edited")
+    parts = joined_parts(owned)
     own = (part.mesh.matrix_world for part in parts if part.mesh.matrix_world is not owned.matrix)
     if any(map(_is_sheared, own)):
-        return "one of them is sheared"
-    if as_one and len(parts) > 1:
-        return "its parts cannot be one mesh, as a material reads its object's own coordinates"
-    return ""
+        raise InputError("one of them is sheared")
+    return parts
 
 
 def _is_sheared(matrix: Floats) -> bool:
@@ -113,25 +116,27 @@ def _replace(owned: Owned, parts: Sequence[Part]) -> Joined:
     """Put objects in the place of the owner, and hide it."""
     owner: Any = owned.owner
     name = owner.name
-    owner.name = f"{name}{_HIDDEN}"
+    owner.name = name.encode()[:_NAMED].decode(errors="ignore") + _HIDDEN
     made = []
     for number, part in enumerate(parts):
-        called = name if not number else f"{name} {part.mesh.name}"
+        called = name if not number else f"{name} {part.original.name}"
         made.append(_object_of(owned, part, called).name)
     for lamp in owned.lamps:
         _add_lamp(owned, lamp, name)
     owner.hide_render = owner.hide_viewport = True
-    return Joined(name, tuple(made), owned.instances)
+    return Joined(name, owner.name, tuple(made), owned.instances)
 
 
 def _object_of(owned: Owned, part: Part, name: str) -> bpy.types.Object:
     """A mesh object that shows a part in the place of the owner."""
     mesh = plain_mesh(part.mesh)
-    owner = owned.owner
-    item = copy_object(owner, mesh)
+    owner, of = owned.owner, cast(Any, part.original)
+    item: Any = stand_in(owner, mesh)
     item.name = mesh.name = name
     link_alike(item, owner, homes(owner))
     set_visibility(item, part.seen_by)
+    if any(part.linking):
+        item.light_linking.receiver_collection, item.light_linking.blocker_collection = part.linking
     if owner.type == "EMPTY":
         item.display_type = "TEXTURED"
     if part.mesh.matrix_world is not owned.matrix:  # it is in its own space
@@ -139,7 +144,10 @@ def _object_of(owned: Owned, part: Part, name: str) -> bpy.types.Object:
         item.constraints.clear()
         item.animation_data_clear()
         item.matrix_world = Matrix(part.mesh.matrix_world.tolist())
-    return item
+        item.pass_index = of.pass_index
+        for key in of.keys():  # noqa: SIM118 (of custom properties)
+            item[key] = of[key]
+    return cast(bpy.types.Object, item)
 
 
 def _add_lamp(owned: Owned, lamp: Lamp, name: str) -> None:
@@ -148,17 +156,19 @@ def _add_lamp(owned: Owned, lamp: Lamp, name: str) -> None:
     item: Any = bpy.data.objects.new(f"{name} {of.name}", of.data)
     item.matrix_world = Matrix(lamp.matrix.tolist())
     link_alike(item, owned.owner, homes(owned.owner))
-    for ray in _RAYS:
-        setattr(item, f"visible_{ray}", getattr(of, f"visible_{ray}"))
+    set_visibility(item, lamp.seen_by)
     for linking in ("receiver_collection", "blocker_collection"):
         setattr(item.light_linking, linking, getattr(of.light_linking, linking))
 
 
 def join_for(scene: bpy.types.Scene, names: Sequence[str], frame: int | None = None) -> None:
-    """Let the scene have the objects that a bake of these `names` was of, as far as they were instances."""
+    """Let the scene have the objects that a bake of these `names` was of, as far as they were instances.
+
+    Those of a bake at a `frame` of its own were none.
+    """
     known = scene.objects
-    if any(name not in known or shows_instances(known[name]) for name in names):
-        join_instances(scene, list(known), frame)
+    if frame is None and any(name not in known or shows_instances(known[name]) for name in names):
+        join_instances(scene, list(known))
 
 
 def names_joined(joined: Sequence[Joined], names: Sequence[str]) -> Iterator[str]:

@@ -135,8 +135,8 @@ def _seen() -> None:
     stage.world((0.2, 0.2, 0.2))
 
 
-def joined(*items: Any, as_one: bool = False) -> tuple[list[Joined], list[str]]:
-    made, messages = join_instances(context.scene, items, as_one=as_one)
+def joined(*items: Any) -> tuple[list[Joined], list[str]]:
+    made, messages = join_instances(context.scene, items)
     return made, [message.problem for message in messages]
 
 
@@ -162,30 +162,105 @@ def test_joined_meshes_look_as_the_instances_did(out: Path) -> None:
     assert "Left Bulb" in context.scene.objects
 
 
-def test_what_cannot_be_a_mesh_stays_and_a_line_says_why() -> None:
-    parts, hair = bpy.data.collections.new("Parts"), bpy.data.hair_curves.new("Hair")
+def wig(parts: bpy.types.Collection) -> str:
+    parts.objects.link(bpy.data.objects.new("Wig", bpy.data.hair_curves.new("Hair")))
+    return "it shows hair, 'Wig'"
+
+
+def combed(parts: bpy.types.Collection) -> str:
+    head = cube("Head", parts, (0, 0, 1))
+    head.modifiers.new("Hair", "PARTICLE_SYSTEM").particle_system.settings.type = "HAIR"
+    return "'Head' has hair"
+
+
+def told_by_instancer(parts: bpy.types.Collection) -> str:
+    told = glow("Red")
+    tree: Any = told.node_tree
+    node = tree.nodes.new("ShaderNodeAttribute")
+    node.attribute_type = "INSTANCER"
+    tree.links.new(node.outputs["Color"], tree.nodes["Emission"].inputs["Color"])
+    cube("Told", parts, (0, 0, 1)).data.materials.append(told)
+    return "a material of 'Told' reads what its instancer tells"
+
+
+@pytest.mark.parametrize("add", [wig, combed, told_by_instancer])
+def test_what_cannot_be_a_mesh_stays_and_a_line_says_why(add: Any) -> None:
+    parts = bpy.data.collections.new("Parts")
     cube("Seat", parts, (0, 0, 0))
-    parts.objects.link(bpy.data.objects.new("Wig", hair))
+    why = add(parts)
     owner = empty("Doll", parts, 0)
     made, messages = joined(owner)
-    assert (made, messages) == ([], ["the instances that 'Doll' shows are not baked: it shows hair, 'Wig'"])
+    assert (made, messages) == ([], [f"the instances that 'Doll' shows are not baked: {why}"])
     assert (owner.name, owner.hide_render) == ("Doll", False)
 
 
-def test_materials_that_read_their_objects_place_stay_apart() -> None:
+def checks(name: str, node: str, output: str | int, **settings: Any) -> bpy.types.Material:
+    """A material that glows as a node says."""
+    made = stage.material(name, "ShaderNodeEmission")
+    tree: Any = made.node_tree
+    read = tree.nodes.new(node)
+    for key, value in settings.items():
+        setattr(read, key, value)
+    tree.links.new(read.outputs[output], tree.nodes["Emission"].inputs["Color"])
+    return made
+
+
+@pytest.mark.parametrize(
+    ("node", "output", "settings", "reads"),
+    [
+        ("ShaderNodeTexChecker", 0, {}, True),
+        ("ShaderNodeTexImage", 0, {}, False),
+        ("ShaderNodeTexImage", 0, {"projection": "BOX"}, True),
+        ("ShaderNodeTexCoord", "UV", {}, False),
+        ("ShaderNodeTexCoord", "Object", {}, True),
+        ("ShaderNodeNewGeometry", "Normal", {}, False),
+        ("ShaderNodeNewGeometry", "Random Per Island", {}, True),
+        ("ShaderNodeAmbientOcclusion", 0, {"only_local": True}, True),
+        ("ShaderNodeAttribute", 0, {"attribute_type": "OBJECT"}, True),
+        ("ShaderNodeAttribute", 0, {"attribute_type": "GEOMETRY"}, False),
+    ],
+)
+def test_which_materials_read_their_objects_place(
+    node: str, output: str | int, settings: dict[str, Any], reads: bool
+) -> None:
+    assert reads_its_place(checks("Checks", node, output, **settings)) == reads
+
+
+@pytest.mark.usefixtures("_seen")
+def test_parts_whose_materials_read_their_objects_place_stay_apart(out: Path) -> None:
     parts = bpy.data.collections.new("Parts")
-    checks = stage.material("Checks", "ShaderNodeEmission")
-    tree: Any = checks.node_tree
-    tree.links.new(tree.nodes.new("ShaderNodeTexChecker").outputs[0], tree.nodes["Emission"].inputs["Color"])
-    for number in range(3):
-        cube(f"Part {number}", parts, (number, 0, 0)).data.materials.append(checks if number else glow("Red"))
-    assert (reads_its_place(checks), reads_its_place(glow("Red"))) == (True, False)
-    owner = empty("Owner", parts, 5)
-    _, messages = joined(owner, as_one=True)
-    assert "its object's own coordinates" in messages[0]
+    told = checks("Told", "ShaderNodeAttribute", "Color", attribute_type="OBJECT", attribute_name="paint")
+    looks = (glow("Red"), checks("Checks", "ShaderNodeTexChecker", 0), told)
+    for number, look in enumerate(looks):
+        part = cube(f"Part {number}", parts, (1.5 * number - 1.5, 0, 0))
+        part.data.materials.append(look)
+        part["paint"] = (0.2, 0.9, 0.4)
+    owner = empty("Owner", parts, 0.5)
+    before = picture(out)
     made, _ = joined(owner)
     assert made[0].objects == ("Owner", "Owner Part 1", "Owner Part 2")
-    assert context.scene.objects["Owner Part 2"].matrix_world.translation.x == 7
+    assert context.scene.objects["Owner Part 2"].matrix_world.translation.x == 2
+    assert np.abs(picture(out) - before).max() < 0.02
+    context.scene.objects["Owner Part 1"].modifiers.new("Rounded", "BEVEL")
+    parts.objects["Part 1"].modifiers.new("Rounded", "BEVEL")
+    assert "'Part 1' has modifiers" in joined(empty("Another", parts, 0))[1][0]
+
+
+def test_what_has_no_extent_or_another_linking_is_no_obstacle() -> None:
+    parts = bpy.data.collections.new("Parts")
+    for name, scale in (("Seat", (1, 1, 1)), ("Flat", (1, 1, 0)), ("Dot", (0, 0, 0))):
+        cube(name, parts, (0, 0, 0)).scale = scale
+    lit = cube("Lit", parts, (2, 0, 0))
+    lit.light_linking.receiver_collection = bpy.data.collections.new("Receivers")
+    owner = empty("N" * 63, parts, 5)
+    made, messages = joined(owner)
+    assert not messages
+    assert made[0].objects == ("N" * 63, context.scene.objects[-1].name)
+    mesh = context.scene.objects["N" * 63].data
+    assert len(mesh.polygons) == 24, "a cube and a flat one"
+    assert np.isfinite([corner.vector for corner in mesh.corner_normals]).all()
+    assert context.scene.objects[-1].light_linking.receiver_collection.name == "Receivers"
+    assert owner.hide_render
 
 
 def test_what_bevels_made_is_known_again() -> None:

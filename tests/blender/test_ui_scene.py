@@ -160,6 +160,14 @@ def test_a_button_joins_the_instances_that_are_selected() -> None:
     assert "Second Cup Bulb" in context.scene.objects
 
 
+def test_selected_instances_are_baked_as_meshes() -> None:
+    cups().select_set(True)
+    context.scene.objects["Cup"].select_set(True)
+    assert ops.radtex.bake_scene(what="SELECTED") == {"FINISHED"}
+    baked = [objects_and_frame(path)[0] for path in Path(settings().directory).glob("*.json")]
+    assert {name for objects in baked for name in objects} == {"Cup", "Second Cup"}
+
+
 def test_the_panel_has_the_button() -> None:
     layout: Any = RecordedLayout()
     main_panel._draw_buttons(layout, None)

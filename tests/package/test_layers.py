@@ -41,7 +41,7 @@ ORDER = [
 RANK = {layer: rank for rank, row in enumerate(ORDER) for layer in row}
 
 BLENDER = {
-    *("addon_utils", "bl_operators", "bl_ui", "blf", "bpy", "bmesh", "mathutils", "bpy_extras", "gpu"),
+    *("addon_utils", "bl_operators", "bl_ui", "blf", "bpy", "bmesh", "mathutils", "bpy_extras", "gpu", "gpu_extras"),
     "_cycles",
 }
 ALLOWED: dict[str, set[str]] = {
@@ -236,6 +236,7 @@ READERS: dict[str, str] = {
             "ui/operators/bake_operator",
             "ui/operators/delete_operator",
             "ui/operators/instances_operator",
+            "ui/operators/scene_operator",
             "ui/panel/forecast",
             "ui/panel/request_checks",
             "ui/settings/object_settings",
@@ -254,6 +255,7 @@ READERS: dict[str, str] = {
     "scene/geometry_digests": "reads evaluated objects",
     "scene/mesh/mesh_checks": "what a viewport shows, where it shows the object",
     "scene/mesh/evaluated": "reads the render's depsgraph",
+    "ui/operators/texels_operator": "draws in a viewport, which shows objects where it has them",
     "scene/surfaces": "compares places in the depsgraph that lists both",
     "scene/mesh/about_area": "an estimate, of the viewport",
     "scene/block_digests": "where an object is that texture coordinates refer to",

@@ -14,6 +14,7 @@ from typing import Any
 import bpy
 
 _BY_UV = frozenset(("TEX_IMAGE", "TEX_ENVIRONMENT", "TEX_SKY", "TEX_IES", "TEX_WHITE_NOISE", "TEX_COORD"))
+_OF_MESH = ("Random Per Island", "Tangent")  # of the geometry
 _OF_OBJECT = frozenset(("Generated", "Normal", "Object"))  # of texture coordinates
 
 
@@ -22,15 +23,30 @@ def reads_its_place(material: bpy.types.Material) -> bool:
     return _reads(material.node_tree, set())
 
 
-def _reads(tree: bpy.types.NodeTree | None, known: set[Any]) -> bool:
+def reads_instancer(material: bpy.types.Material) -> bool:
+    """Whether the material reads what geometry nodes, or particles, tell of each instance."""
+    return _reads(material.node_tree, set(), _of_instancer)
+
+
+def _reads(
+    tree: bpy.types.NodeTree | None, known: set[Any], reads: Callable[[Any], bool] | None = None
+) -> bool:
+    """Whether any node of a tree, or of its groups, reads that: by default its object's place."""
+    reads = reads or _node_reads
     if tree is None or tree in known:
         return False
     known.add(tree)
     return any(
-        _reads(node.node_tree, known) if node.type == "GROUP" else _node_reads(node)
+        _reads(node.node_tree, known, reads) if node.type == "GROUP" else reads(node)
         for node in list[Any](tree.nodes)
         if not node.mute and any(output.is_linked for output in node.outputs)
     )
+
+
+def _of_instancer(node: Any) -> bool:
+    if node.type == "ATTRIBUTE":
+        return bool(node.attribute_type == "INSTANCER")
+    return node.type == "PARTICLE_INFO" or getattr(node, "from_instancer", False)
 
 
 def _node_reads(node: Any) -> bool:
@@ -53,13 +69,18 @@ def _of_objects_space(node: Any) -> bool:
 
 
 _READS: dict[str, Callable[[Any], object]] = {  # by the node's type
+    "AMBIENT_OCCLUSION": lambda node: node.only_local,
     "ATTRIBUTE": lambda node: node.attribute_type in {"OBJECT", "INSTANCER"},
+    "BEVEL": lambda _: True,
     "DISPLACEMENT": _of_objects_space,
+    "NEW_GEOMETRY": lambda node: any(node.outputs[name].is_linked for name in _OF_MESH),
     "NORMAL_MAP": _of_objects_space,
     "OBJECT_INFO": lambda _: True,
     "PARTICLE_INFO": lambda _: True,
+    "SCRIPT": lambda _: True,
     "TANGENT": lambda node: node.direction_type == "RADIAL",
     "TEX_COORD": _coordinates,
+    "TEX_IMAGE": lambda node: node.projection == "BOX",
     "UVMAP": lambda node: node.from_instancer,
     "VECTOR_DISPLACEMENT": _of_objects_space,
     "VECT_TRANSFORM": lambda node: "OBJECT" in (node.convert_from, node.convert_to),

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cache
 from typing import Any, cast
 
 import bpy
@@ -21,11 +22,13 @@ from ...core.arrays import Floats, Ints
 from ...core.errors import InputError
 from ...core.frame import normalised
 from ...core.near_digest import hash_of
-from ..checks.own_coordinates import reads_its_place
+from ..checks.own_coordinates import reads_instancer, reads_its_place
+from ..checks.refusals import refuse_adaptive_subdivision
 from .evaluated import EvaluatedMesh, MeshAttribute, read_shown, render_with
 from .render_contents import RAYS, Shown, shown_in
 
 MOST_PARTS, MOST_TRIANGLES = 20_000, 4_000_000  # of an owner
+_MOST_APART = 64  # meshes of an owner
 _NONE = frozenset(  # types of which renders show nothing, or the mesh that is listed beside them
     (
         *("ARMATURE", "CAMERA", "CURVE", "EMPTY", "FONT", "GREASEPENCIL"),
@@ -39,25 +42,44 @@ _INDEX = "material_index"
 
 @dataclass(frozen=True, eq=False)
 class Lamp:
-    """A lamp that an owner instances: the lamp's object, and where (4, 4) it stands."""
+    """A lamp that an owner instances: its object, where (4, 4) it is, and the kinds of RAYS that see it."""
 
     original: bpy.types.Object
     matrix: Floats
+    seen_by: frozenset[str]
 
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """A mesh that an owner shows, in the space of `mesh.matrix_world`, and the kinds of RAYS that see it."""
+    """A mesh that an owner shows, in the space of `mesh.matrix_world`, and the kinds of RAYS that see it.
+
+    Of its `original`, which it is read of, light linking and what materials read of an object are kept.
+    """
 
     mesh: EvaluatedMesh
     seen_by: frozenset[str]
+    original: bpy.types.Object
 
     @property
-    def stays_alone(self) -> bool:
-        """Whether a material reads what joining would change, such as generated coordinates."""
-        used = np.unique(self.mesh.material_index)
-        materials = [self.mesh.materials[index] for index in used if self.mesh.materials]
-        return any(material is not None and reads_its_place(material) for material in materials)
+    def materials(self) -> list[bpy.types.Material]:
+        """Those that its faces have."""
+        used = np.unique(self.mesh.material_index) if self.mesh.materials else ()
+        found = (self.mesh.materials[index] for index in used)
+        return [material for material in found if material is not None]
+
+    @property
+    def linking(self) -> tuple[bpy.types.Collection | None, bpy.types.Collection | None]:
+        """The collections of light linking that its original has of its own."""
+        linking: Any = self.original.light_linking
+        return linking.receiver_collection, linking.blocker_collection
+
+    @property
+    def has_modifiers(self) -> bool:
+        """Whether its mesh is not the one that generated coordinates are of."""
+        item: Any = self.original
+        return any(modifier.show_render for modifier in item.modifiers) or bool(
+            getattr(item.data, "shape_keys", None)
+        )
 
 
 @dataclass(eq=False)
@@ -69,11 +91,8 @@ class Owned:
     parts: list[Part] = field(default_factory=list)
     lamps: list[Lamp] = field(default_factory=list)
     instances: int = 0
+    triangles: int = 0
     why_not: str = ""
-
-    @property
-    def triangles(self) -> int:
-        return sum(len(part.mesh.triangles) for part in self.parts)
 
 
 def shows_instances(item: bpy.types.Object) -> bool:
@@ -107,8 +126,10 @@ def read_owned(scratch: bpy.types.Scene, owners: Collection[bpy.types.Object]) -
         meshes: dict[tuple[int, int], EvaluatedMesh | None] = {}
         for one in shown_in(graph):
             if one.owner in owners:
-                matrix = np.array(one.owner.evaluated_get(graph).matrix_world, dtype=np.float64)
-                _take(found.setdefault(one.owner, Owned(one.owner, matrix)), one, meshes)
+                if one.owner not in found:
+                    matrix = np.array(one.owner.evaluated_get(graph).matrix_world, dtype=np.float64)
+                    found[one.owner] = Owned(one.owner, matrix)
+                _take(found[one.owner], one, graph.scene, meshes)
         return found
 
     known = render_with(scratch, read)
@@ -119,36 +140,42 @@ def read_owned(scratch: bpy.types.Scene, owners: Collection[bpy.types.Object]) -
     return found
 
 
-def _take(owned: Owned, one: Shown, meshes: dict[tuple[int, int], EvaluatedMesh | None]) -> None:
+def _take(owned: Owned, one: Shown, scene: Any, meshes: dict[tuple[int, int], EvaluatedMesh | None]) -> None:
     """Add a thing that its owner shows."""
     item = one.evaluated
     if owned.why_not or item.type in _NONE:
         return
     owned.instances += one.is_instance
     if item.type == "LIGHT":
-        owned.lamps.append(Lamp(one.original, one.matrix))
+        owned.lamps.append(Lamp(one.original, one.matrix, one.seen_by))
     elif item.type != "MESH":
         owned.why_not = f"it shows {_CALLED.get(item.type, item.type.lower())}, '{one.original.name}'"
     elif one.of_particles:
         owned.why_not = "its particles are instances"
     elif item.is_holdout or item.is_shadow_catcher:
         owned.why_not = f"'{one.original.name}' is a holdout or catches shadows"
+    elif any(system.settings.render_type == "PATH" for system in item.particle_systems):
+        owned.why_not = f"'{one.original.name}' has hair"
     else:
-        _take_mesh(owned, one, meshes)
+        _take_mesh(owned, one, scene, meshes)
 
 
-def _take_mesh(owned: Owned, one: Shown, meshes: dict[tuple[int, int], EvaluatedMesh | None]) -> None:
+def _take_mesh(
+    owned: Owned, one: Shown, scene: Any, meshes: dict[tuple[int, int], EvaluatedMesh | None]
+) -> None:
     key = one.original.session_uid, one.evaluated.data.as_pointer()
     if key not in meshes:
         try:
+            refuse_adaptive_subdivision(one.evaluated, scene)
             meshes[key] = read_shown(one.evaluated)
         except InputError as error:
             owned.why_not = error.message.problem
             return
     mesh = meshes[key]
-    if mesh is None:
-        return
-    owned.parts.append(Part(replace(mesh, matrix_world=one.matrix), one.seen_by))
+    if mesh is None or not np.isfinite(one.matrix).all() or not _cofactors(one.matrix).any():
+        return  # nothing to see
+    owned.parts.append(Part(replace(mesh, matrix_world=one.matrix), one.seen_by, one.original))
+    owned.triangles += len(mesh.triangles)
     if len(owned.parts) > MOST_PARTS or owned.triangles > MOST_TRIANGLES:
         owned.why_not = f"it shows more than {MOST_PARTS:,} parts, or {MOST_TRIANGLES:,} triangles"
 
@@ -156,32 +183,48 @@ def _take_mesh(owned: Owned, one: Shown, meshes: dict[tuple[int, int], Evaluated
 def joined_parts(owned: Owned) -> list[Part]:
     """The owner's parts as few meshes: of those that can be one, in the owner's space, then of the others.
 
-    Parts that other rays see, that have another UV layer where materials name none, or whose attributes of
-    one name differ in kind are apart, and so is each whose material reads its own place.
+    Parts that other rays see, that lamps light otherwise, that have another UV layer where materials name
+    none, or whose attributes of one name differ in kind are apart, and so is each whose material reads its
+    own place. Raises InputError where a part would look different, or where too many are apart.
     """
+    reads = cache(reads_its_place)
     groups: list[_Group] = []
     for part in owned.parts:
-        alone = part.stays_alone
+        alone = any(map(reads, part.materials))
         group = None if alone else next((one for one in groups if one.takes(part)), None)
         if group is None:
-            group = _Group(part.seen_by, alone)
+            group = _Group(part, alone)
             groups.append(group)
         group.add(part)
+        if len(groups) > _MOST_APART:
+            raise InputError(f"more than {_MOST_APART} of its parts cannot be one mesh")
+    for group in groups:
+        if group.alone:
+            _check_alone(group.first)
     groups.sort(key=lambda group: group.alone)
-    return [Part(_joined(owned, group), group.seen_by) for group in groups]
+    return [replace(group.first, mesh=_joined(owned, group)) for group in groups]
+
+
+def _check_alone(part: Part) -> None:
+    name = part.original.name
+    if any(map(reads_instancer, part.materials)):
+        raise InputError(f"a material of '{name}' reads what its instancer tells")
+    if part.has_modifiers:
+        raise InputError(f"'{name}' has modifiers, and its material reads its object's own coordinates")
 
 
 @dataclass(eq=False)
 class _Group:
-    """Parts that can be one mesh."""
+    """Parts that can be one mesh, as the `first`; one that stays `alone` has no others."""
 
-    seen_by: frozenset[str]
+    first: Part
     alone: bool
     parts: list[Part] = field(default_factory=list)
     kinds: dict[str, str] = field(default_factory=dict)
 
     def takes(self, part: Part) -> bool:
-        if self.alone or part.seen_by != self.seen_by:
+        first = self.first
+        if self.alone or (part.seen_by, part.linking) != (first.seen_by, first.linking):
             return False
         return all(self.kinds.get(name, kind) == kind for name, kind in _kinds(part.mesh).items())
 
@@ -193,8 +236,10 @@ class _Group:
 def _kinds(mesh: EvaluatedMesh) -> dict[str, str]:
     """What must be alike of meshes that are joined, as far as they have it."""
     found = {one.name: f"{one.domain} {one.data_type}" for one in mesh.attributes if one.name != _INDEX}
-    chosen = {"active UV": mesh.active_uv, "render colour": mesh.render_color}
-    return found | {f"which {name}": layer for name, layer in chosen.items() if layer is not None}
+    found["which UV map"] = mesh.active_uv or ""  # without, tangents are of generated coordinates
+    if mesh.render_color is not None:
+        found["which colours"] = mesh.render_color
+    return found
 
 
 def _joined(owned: Owned, group: _Group) -> EvaluatedMesh:
@@ -233,14 +278,15 @@ def _in_space_of(matrix: Floats, mesh: EvaluatedMesh) -> EvaluatedMesh:
     """The mesh as an object at `matrix` (4, 4) shows it; mirrored ones have their corners turned."""
     move = np.linalg.inv(matrix) @ mesh.matrix_world
     position = mesh.position.astype(np.float64) @ move[:3, :3].T + move[:3, 3]
-    normal = normalised(mesh.normal.astype(np.float64) @ np.linalg.inv(move[:3, :3]))
+    mirrors = bool(np.linalg.det(move[:3, :3]) < 0)
+    normal = normalised(mesh.normal.astype(np.float64) @ _cofactors(move).T * (-1.0 if mirrors else 1.0))
     found = replace(
         mesh,
         position=position.astype(np.float32),
         normal=normal.astype(np.float32),
         matrix_world=matrix,
     )
-    if np.linalg.det(move[:3, :3]) >= 0:
+    if not mirrors:
         return found
     return replace(
         found,
@@ -248,6 +294,13 @@ def _in_space_of(matrix: Floats, mesh: EvaluatedMesh) -> EvaluatedMesh:
         normal=found.normal[:, ::-1],
         attributes=tuple(map(_turned, found.attributes)),
     )
+
+
+def _cofactors(matrix: Floats) -> Floats:
+    """By which a matrix (4, 4) turns normals (3, 3), up to its determinant; 0 where it leaves no area."""
+    x, y, z = matrix[:3, :3]
+    found: Floats = np.array([np.cross(y, z), np.cross(z, x), np.cross(x, y)])
+    return found
 
 
 def _turned(attribute: MeshAttribute) -> MeshAttribute:
@@ -280,7 +333,10 @@ def _attributes(meshes: Sequence[EvaluatedMesh], numbers: Ints) -> Iterable[Mesh
 
 def _nothing(mesh: EvaluatedMesh, kind: MeshAttribute) -> npt.NDArray[Any]:
     count = len(mesh.position) if kind.domain == "POINT" else len(mesh.triangles)
-    return np.zeros((count, *kind.values.shape[1:]), dtype=kind.values.dtype)
+    found = np.zeros((count, *kind.values.shape[1:]), dtype=kind.values.dtype)
+    if kind.data_type in {"FLOAT_COLOR", "BYTE_COLOR"}:
+        found[..., 3] = 1
+    return found
 
 
 def set_visibility(item: bpy.types.Object, seen_by: frozenset[str]) -> None:

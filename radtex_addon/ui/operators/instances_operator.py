@@ -72,6 +72,8 @@ def join_and_tell(
         operator.report({"INFO"}, remark(one.told))
     for message in messages:
         operator.report({"WARNING"}, remark(message))
+    if not joined and not messages:
+        operator.report({"INFO"}, iface_("They show no mesh as an instance: nothing was joined"))
     return [name for one in joined for name in one.objects]
 
 

@@ -114,7 +114,9 @@ class RADTEX_OT_bake_scene(MayWait, bpy.types.Operator):
 
         scene, layer = shown(context)
         try:
-            if (owners := self._owners(scene, layer)) and join_and_tell(self, scene, owners):
+            if (owners := self._owners(scene, layer)) and (made := join_and_tell(self, scene, owners)):
+                for name in made if self.what == "SELECTED" else ():
+                    scene.objects[name].select_set(True, view_layer=layer)
                 push_step("Join Instances")
             found = self._found(scene, layer, inf if self.at_once else PATIENCE)
             show_objects(scene, found.kept)
