@@ -41,7 +41,8 @@ ORDER = [
 RANK = {layer: rank for rank, row in enumerate(ORDER) for layer in row}
 
 BLENDER = {
-    *("addon_utils", "bl_operators", "bl_ui", "blf", "bpy", "bmesh", "mathutils", "bpy_extras", "gpu", "gpu_extras"),
+    *("addon_utils", "bl_operators", "bl_ui", "blf", "bpy", "bmesh", "mathutils", "bpy_extras", "gpu"),
+    "gpu_extras",
     "_cycles",
 }
 ALLOWED: dict[str, set[str]] = {

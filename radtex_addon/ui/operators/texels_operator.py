@@ -82,7 +82,7 @@ def squares_of(atlases: Sequence[SceneAtlas], metres: float) -> list[Squares]:
     """The squares of each object of the atlases, where one of Blender's units is so many `metres`."""
     if not atlases:
         return []
-    mean = np.mean([log2(atlas.density) for atlas in atlases])
+    mean = float(np.mean([log2(atlas.density) for atlas in atlases]))
     found = []
     for atlas in atlases:
         above = min(max((log2(atlas.density) - mean) / _OCTAVES, -1.0), 1.0)
@@ -147,8 +147,9 @@ def atlases_of_scene(scene: bpy.types.Scene, layer: bpy.types.ViewLayer) -> tupl
 def _show(layer: bpy.types.ViewLayer, squares: Sequence[Squares]) -> None:
     import gpu
 
-    create: Any = gpu.types.GPUShaderCreateInfo()
-    between: Any = gpu.types.GPUStageInterfaceInfo("radtex_texels")
+    types: Any = gpu.types  # the 4.5 stubs know no arguments
+    create = types.GPUShaderCreateInfo()
+    between = types.GPUStageInterfaceInfo("radtex_texels")
     for kind, name in (("VEC3", "inPlace"), ("VEC3", "facing")):
         between.smooth(kind, name)
     for kind, name in (("MAT4", "whole"), ("VEC3", "tint"), ("FLOAT", "size")):
