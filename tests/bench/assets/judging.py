@@ -12,6 +12,7 @@ import bpy
 import numpy as np
 from PIL import Image
 
+from radtex_addon.core.arrays import Ints
 from radtex_addon.report.finished_bake import find_bakes_of_all, read_bake
 from radtex_addon.report.gbuffer import Array, BakedSurface, eroded
 from radtex_addon.report.judging import FEWEST, resolved
@@ -76,10 +77,8 @@ def judge(parts: list[Part], view: View, sheet: Path, blocked: Array | None = No
     covered, but not where a clear part shows what is behind all parts, which no bake knows, nor where what is
     not baked is met first: at the distances `blocked` (N,) along the view's rays.
     """
-    seen = light_along(parts, view.rays, blocked)
-    mean, owner = resolved(seen.light, seen.first, view.camera.pixels)
+    shown, owner = looked_up(parts, view, blocked)
     inside = (owner >= 0).all(axis=2)
-    shown = np.where(inside[..., None], mean, view.reference)
     whole = eroded(inside)
     masks = {"all": whole}
     masks |= {part.name: whole & (owner == number).all(axis=2) for number, part in enumerate(parts)}
@@ -91,6 +90,17 @@ def judge(parts: list[Part], view: View, sheet: Path, blocked: Array | None = No
         name: Figures.of(shown, view.reference, mask) for name, mask in masks.items() if mask.sum() >= FEWEST
     }
     return found | {name: Figures.of(other, view.reference, whole) for name, other in others.items()}
+
+
+def looked_up(parts: list[Part], view: View, blocked: Array | None = None) -> tuple[Picture, Ints]:
+    """What the bakes show of a view, with the reference around; and the part (P, P, S) that each lookup met.
+
+    It is negative for none. `blocked` as for `judge`.
+    """
+    seen = light_along(parts, view.rays, blocked)
+    mean, owner = resolved(seen.light, seen.first, view.camera.pixels)
+    inside = (owner >= 0).all(axis=2)
+    return np.where(inside[..., None], mean, view.reference), owner
 
 
 def _save_sheet(pictures: list[Picture], path: Path) -> None:

@@ -129,6 +129,15 @@ CAPTIONS = {
         "Ball, table and picture stand where they should from all three places. Edges are as soft as a "
         "cell is wide at their depth.",
     ),
+    "room": Caption(
+        "Room",
+        "A gallery of 12 x 8 metres, baked in one go with all that is in it, by the defaults: a skylight "
+        "with sun, spots on nine pictures, a polished floor of terrazzo, sculptures, benches. All that one "
+        "sees comes from the bakes.",
+        "Light, shadows and the sun on the floor are where they belong, and the bronze mirrors its "
+        "surroundings. Small shadows, such as the bronze's own, are soft. Faint blotches can be seen "
+        "on the dark red wall, and dashes a texel long along rails and the edges of benches.",
+    ),
     "high_to_low": Caption(
         "High to low",
         "A carved head's light on a head of few faces, drawn beside the carved one itself.",
