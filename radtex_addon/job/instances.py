@@ -20,7 +20,7 @@ from ..core.arrays import Floats
 from ..core.errors import InputError
 from ..core.messages import Message, do
 from ..preview.light_linking import link_alike
-from ..preview.swap import homes, previews_not_rendered, stand_in
+from ..preview.swap import homes, is_on, previews_not_rendered, stand_in
 from ..scene.mesh.copy import plain_mesh
 from ..scene.mesh.instance_parts import (
     Lamp,
@@ -99,6 +99,8 @@ def _parts_of(owned: Owned) -> list[Part]:
         raise InputError("its visibility is animated")
     if owner.mode != "OBJECT":
         raise InputError("it is being edited")
+    if shown := next((part for part in owned.parts if is_on(part.original)), None):
+        raise InputError(f"'{shown.original.name}' among them is shown by its preview: switch that off")
     parts = joined_parts(owned)
     own = (part.mesh.matrix_world for part in parts if part.mesh.matrix_world is not owned.matrix)
     if any(map(_is_sheared, own)):
@@ -119,7 +121,8 @@ def _replace(owned: Owned, parts: Sequence[Part]) -> Joined:
     owner.name = name.encode()[:_NAMED].decode(errors="ignore") + _HIDDEN
     made = []
     for number, part in enumerate(parts):
-        called = name if not number else f"{name} {part.original.name}"
+        own = f"{number + 1}" if part.original == owner else part.original.name  # nodes make bare meshes
+        called = f"{name} {own}" if number else name
         made.append(_object_of(owned, part, called).name)
     for lamp in owned.lamps:
         _add_lamp(owned, lamp, name)

@@ -143,9 +143,11 @@ def read_owned(scratch: bpy.types.Scene, owners: Collection[bpy.types.Object]) -
 def _take(owned: Owned, one: Shown, scene: Any, meshes: dict[tuple[int, int], EvaluatedMesh | None]) -> None:
     """Add a thing that its owner shows."""
     item = one.evaluated
-    if owned.why_not or item.type in _NONE:
+    if item.type in _NONE:
         return
     owned.instances += one.is_instance
+    if owned.why_not:
+        return
     if item.type == "LIGHT":
         owned.lamps.append(Lamp(one.original, one.matrix, one.seen_by))
     elif item.type != "MESH":
