@@ -26,6 +26,11 @@
 // 4; default 3): cells of a bucket that are blended. RADTEX_SECOND_LOBE (0, 1; default 1): whether the second lobe is
 // looked up, or materials have one lobe in place of two.
 //
+// RADTEX_STEADY: lobes are wider where normals differ from one pixel to the next, so that what is far away or sharply
+// curved does not shimmer. Its value is by how much: 0.16 is what a pixel covers, 4 times a twelfth for each of two
+// axes, as a mirror doubles angles; more is steadier, and softer. In the pixel's stage alone, and never where pixels go
+// different ways.
+//
 // Textures, one for each layer, are clamped to their edges and filtered linearly; world, plane and things have mip
 // levels, filtered linearly, too. v = 0 is the first row, or with RADTEX_TOP_DOWN the last one. A range is the share of
 // a texture's width and height that is no padding, and scale and offset: a value is texel * scale + offset, but for the
@@ -651,10 +656,18 @@ float3 radtex_lit(float2 uv, float3 position, float3 face, float3 V, RadtexLook 
     wider = radtex_map(radtex_width_map, radtex_width_range, uv).r;
 #endif
     lobe.a += wider;
+#ifdef RADTEX_STEADY
+    float3 across = ddx(N), up = ddy(N);
+    float spread = float(RADTEX_STEADY) * (dot(across, across) + dot(up, up));
+    lobe.a = log2(exp2(lobe.a) + spread);
+#endif
     float3 mirrored = radtex_mirrored(from, ray, met, own, lobe, lit);
 #if RADTEX_SECOND_LOBE > 0
     lobe = lerp(radtex_lobes[low + 16], radtex_lobes[low + 17], above);
     lobe.a += wider;
+#ifdef RADTEX_STEADY
+    lobe.a = log2(exp2(lobe.a) + spread);
+#endif
     mirrored += radtex_mirrored(from, ray, met, own, lobe, lit);
 #endif
     float3 tint = look.tint;

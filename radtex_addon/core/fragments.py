@@ -18,7 +18,8 @@ class Fragments:
     """Places looked at: `uv` (N, 2); `normal`, `viewer`, `position` (N, 3), world space; `material` (N,).
 
     `tangent` and `bitangent` (N, 3) are the mesh's, None if no lookup needs them. Directions are unit
-    vectors; `viewer` points to the viewer.
+    vectors; `viewer` points to the viewer. `spread` (N,): what normals that differ within a pixel add to the
+    width² of lobes, None for nothing.
     """
 
     uv: Floats
@@ -28,6 +29,7 @@ class Fragments:
     material: Ints
     tangent: Floats | None = None
     bitangent: Floats | None = None
+    spread: Floats | None = None
 
     @property
     def incidence(self) -> Floats:
@@ -46,6 +48,7 @@ class Fragments:
             self.material[some],
             None if self.tangent is None else self.tangent[some],
             None if self.bitangent is None else self.bitangent[some],
+            None if self.spread is None else self.spread[some],
         )
 
     def single(self) -> Fragments:
@@ -58,4 +61,5 @@ class Fragments:
             self.material,
             None if self.tangent is None else self.tangent.astype(np.float32),
             None if self.bitangent is None else self.bitangent.astype(np.float32),
+            None if self.spread is None else self.spread.astype(np.float32),
         )

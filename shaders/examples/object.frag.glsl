@@ -29,10 +29,10 @@ layout(set = 0, binding = 2) uniform sampler2DArray atlas;
 layout(set = 0, binding = 2) uniform sampler2D atlas;
 #endif
 
-layout(location = 0) in vec3 position;
-layout(location = 1) in vec3 normal;
-layout(location = 2) in vec4 tangent;
-layout(location = 3) in vec2 uv;
+layout(location = 0) centroid in vec3 position;
+layout(location = 1) centroid in vec3 normal;
+layout(location = 2) centroid in vec4 tangent;
+layout(location = 3) centroid in vec2 uv;
 layout(location = 0) out vec4 colour;
 
 void main() {

@@ -29,12 +29,13 @@ struct Vertex {
     float2 uv : TEXCOORD0;
 };
 
+// Centroid: at the rim of a triangle a pixel's middle may lie beyond it, where the mesh, and its map, has nothing.
 struct Fragment {
     float4 place : SV_Position;
-    float3 position : POSITION;
-    float3 normal : NORMAL;
-    float4 tangent : TANGENT;
-    float2 uv : TEXCOORD0;
+    centroid float3 position : POSITION;
+    centroid float3 normal : NORMAL;
+    centroid float4 tangent : TANGENT;
+    centroid float2 uv : TEXCOORD0;
 };
 
 Fragment vertex_main(Vertex v) {

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 RadTex authors
 // SPDX-License-Identifier: MIT
 //
-// The vertex stage of object.frag.glsl: POSITION, NORMAL, TANGENT and TEXCOORD_0 of an exported <name>.glb.
+// The vertex stage of object.frag.glsl: POSITION, NORMAL, TANGENT and TEXCOORD_0 of an exported <name>.glb. Centroid, for
+// at the rim of a triangle a pixel's middle may lie beyond it, where the mesh, and its map, has nothing.
 
 #version 450
 
@@ -15,10 +16,10 @@ layout(location = 0) in vec3 in_position;
 layout(location = 1) in vec3 in_normal;
 layout(location = 2) in vec4 in_tangent;
 layout(location = 3) in vec2 in_uv;
-layout(location = 0) out vec3 position;
-layout(location = 1) out vec3 normal;
-layout(location = 2) out vec4 tangent;
-layout(location = 3) out vec2 uv;
+layout(location = 0) centroid out vec3 position;
+layout(location = 1) centroid out vec3 normal;
+layout(location = 2) centroid out vec4 tangent;
+layout(location = 3) centroid out vec2 uv;
 
 void main() {
     mat3 turn = mat3(model);

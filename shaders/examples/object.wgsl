@@ -16,12 +16,13 @@ struct Scene {
 @group(0) @binding(0) var<uniform> scene: Scene;
 @group(0) @binding(1) var atlas: texture_2d<f32>;
 
+// Centroid: at the rim of a triangle a pixel's middle may lie beyond it, where the mesh, and its map, has nothing.
 struct Fragment {
     @builtin(position) clip: vec4f,
-    @location(0) position: vec3f,
-    @location(1) normal: vec3f,
-    @location(2) tangent: vec4f,
-    @location(3) uv: vec2f,
+    @location(0) @interpolate(perspective, centroid) position: vec3f,
+    @location(1) @interpolate(perspective, centroid) normal: vec3f,
+    @location(2) @interpolate(perspective, centroid) tangent: vec4f,
+    @location(3) @interpolate(perspective, centroid) uv: vec2f,
 }
 
 // POSITION, NORMAL, TANGENT and TEXCOORD_0 of the mesh, whose v grows downwards.

@@ -28,6 +28,9 @@ Shader @TITLE@
         #define RADTEX_TO_VIEWER(world) GetWorldSpaceViewDir(world)
         #define RADTEX_TO_OBJECT(direction) mul((float3x3)GetWorldToObjectMatrix(), direction)
         #define RADTEX_PIPELINE_EXPOSURE 1.0
+        #ifndef RADTEX_STEADY
+        #define RADTEX_STEADY 0.16  // what moves does not shimmer
+        #endif
         #include @NUMBERS@
         ENDHLSL
 
@@ -121,6 +124,9 @@ Shader @TITLE@
         #define RADTEX_TO_OBJECT(direction) mul((float3x3)GetWorldToObjectMatrix(), direction)
         #define RADTEX_TO_CLIP(world, v) TransformWorldToHClip(world)
         #define RADTEX_PIPELINE_EXPOSURE lerp(1.0, GetCurrentExposureMultiplier(), _RadtexFollowExposure)
+        #ifndef RADTEX_STEADY
+        #define RADTEX_STEADY 0.16  // what moves does not shimmer
+        #endif
         #include @NUMBERS@
         #include "shaders/radtex_unity.hlsl"
         ENDHLSL
@@ -181,7 +187,10 @@ Shader @TITLE@
             #define RADTEX_TO_VIEWER(world) (unity_OrthoParams.w < 0.5 ? _WorldSpaceCameraPos - world : UNITY_MATRIX_V[2].xyz)
             #define RADTEX_TO_OBJECT(direction) mul((float3x3)unity_WorldToObject, direction)
             #define RADTEX_PIPELINE_EXPOSURE 1.0
-            #include @NUMBERS@
+            #ifndef RADTEX_STEADY
+            #define RADTEX_STEADY 0.16  // what moves does not shimmer
+            #endif
+        #include @NUMBERS@
             #include "shaders/radtex_unity.hlsl"
             ENDHLSL
         }

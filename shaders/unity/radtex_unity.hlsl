@@ -48,13 +48,14 @@ struct RadtexVertex {
     UNITY_VERTEX_INPUT_INSTANCE_ID
 };
 
+// Centroid: at the rim of a triangle a pixel's middle may lie beyond it, where the mesh, and its map, has nothing.
 struct RadtexFragment {
     float4 place : SV_POSITION;
-    float4 uv : TEXCOORD0;  // of the bake; zw: of the material's own images
-    float3 position : TEXCOORD1;  // this and what follows: in the world of the bake
-    float3 normal : TEXCOORD2;
-    float4 tangent : TEXCOORD3;
-    float3 viewer : TEXCOORD4;
+    centroid float4 uv : TEXCOORD0;  // of the bake; zw: of the material's own images
+    centroid float3 position : TEXCOORD1;  // this and what follows: in the world of the bake
+    centroid float3 normal : TEXCOORD2;
+    centroid float4 tangent : TEXCOORD3;
+    centroid float3 viewer : TEXCOORD4;
     float3 sun : TEXCOORD5;
     float3 world_normal : TEXCOORD6;  // but this: in Unity's
     UNITY_VERTEX_INPUT_INSTANCE_ID

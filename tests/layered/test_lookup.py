@@ -16,7 +16,7 @@ from radtex_addon.core.octahedron import cell_directions, octahedron_to_directio
 from radtex_addon.formats.codecs.bc3 import decode_bc3, encode_bc3
 from radtex_addon.formats.codecs.srgb import from_srgb, to_srgb
 from radtex_addon.forms.layered.cells import CELLS
-from radtex_addon.forms.layered.lookup.atlas import sample_layered
+from radtex_addon.forms.layered.lookup.atlas import look_at, sample_layered, shading_normal
 from radtex_addon.forms.layered.lookup.edge_grid import EdgePictures, on_edges
 from radtex_addon.forms.layered.lookup.environment import Impostor, Shell
 from radtex_addon.forms.layered.shader_values import FULL
@@ -24,6 +24,7 @@ from tests.bench.fidelity.layered.compressed import compressed
 from tests.bench.fidelity.layered.drawn_fragments import radiance
 from tests.bench.fidelity.layered.lookup import lookup_of
 from tests.layered.made_up import made_up_atlas, made_up_fragments
+from tests.lookups import squared_steps
 
 _RNG = np.random.default_rng(3)
 
@@ -44,6 +45,20 @@ def test_the_shader_knows_how_many_cells_buckets_have(context: moderngl.Context)
     off = _off(radiance(context, atlas, lookup_of(atlas, textures, FULL), at), sample_layered(atlas, at))
     assert off.mean() < 3e-3
     assert off.max() < 0.05
+
+
+def test_lobes_widen_where_normals_differ_within_a_pixel(context: moderngl.Context) -> None:
+    atlas, textures = compressed(made_up_atlas(16, 64, CELLS[1]), near_sizes=(32, 32))
+    side, steady = 64, 0.002
+    at, lookup = made_up_fragments(atlas, side**2), lookup_of(atlas, textures, FULL)
+    normal = shading_normal(look_at(atlas, at), at)
+    spread = steady * squared_steps(normal, np.ones(side**2, dtype=bool), side)
+    assert np.median(spread) > 1e-3
+    found = radiance(context, atlas, lookup, at, f"#define RADTEX_STEADY {steady}\n")
+    off = _off(found, sample_layered(atlas, replace(at, spread=spread)))
+    assert off.mean() < 3e-3
+    assert off.max() < 0.05
+    assert _off(found, sample_layered(atlas, at)).mean() > 0.01, "without, they are not the same"
 
 
 def test_colours_and_alpha_come_back_from_bc3() -> None:

@@ -14,7 +14,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cache, cached_property
 from math import radians, tan
@@ -27,8 +27,11 @@ import pytest
 from mathutils import Euler, Matrix, Vector
 
 from radtex_addon.core.atlas import AtlasLayout
+from radtex_addon.core.fragments import Fragments
 from radtex_addon.core.sampler import Filter, sample
 from radtex_addon.formats.containers.exr import read_atlas
+from radtex_addon.forms.layered.files.layered_files import read_layered
+from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas, look_at, sample_layered, shading_normal
 from radtex_addon.job import bake_object
 from radtex_addon.report.finished_bake import Finished, find_bake, read_bake
 from radtex_addon.report.gbuffer import BakedSurface, CameraRays, GBuffer
@@ -38,9 +41,11 @@ from radtex_addon.scene.preview_file import baked_copy
 from radtex_addon.settings.choices import Backs
 from radtex_addon.settings.spec import BakeSpec, Layout
 from tests.blender import surroundings
+from tests.lookups import squared_steps
 
 ROOT = Path(__file__).resolve().parents[2]
 FIGURES = os.environ.get("RADTEX_FIGURES")  # where pictures for the docs are kept: of a finer head
+STEADY = 0.16  # RADTEX_STEADY of what is exported
 SUBDIVISIONS = 2 if FIGURES else 1
 PLACE = Matrix.LocRotScale((0.1, -0.05, 0.15), Euler((0.15, -0.1, 0.4)), (1.0, 1.1, 0.95))
 
@@ -128,11 +133,16 @@ class Bake:
 
         return seen
 
-    def picture(self, camera: Camera, kind: Filter = Filter.QUADRILINEAR) -> Picture:
-        """Linear light (H, W, 3), rows from the top, black beside the head; `kind` is for plain bakes."""
+    def picture(
+        self, camera: Camera, kind: Filter = Filter.QUADRILINEAR, *, steady: float = STEADY
+    ) -> Picture:
+        """Linear light (H, W, 3), rows from the top, black beside the head; `kind` is for plain bakes.
+
+        Layered ones are as `steady` as what engines show.
+        """
         buffer = self.buffer(camera)
         if self.finished.form.traits.by_paths:
-            return buffer.resolve(self.finished.radiance(buffer))
+            return steady_picture(self._layers, buffer, buffer.fragments, steady)
         pixels, facts = self._atlas
         layout = AtlasLayout(facts.width, facts.height, facts.bucket)
         seen = sample(pixels, layout, buffer.uv[buffer.hit], buffer.incidence[buffer.hit], kind)
@@ -143,6 +153,10 @@ class Bake:
         pixels, facts = read_atlas(self.finished.images[0])
         return pixels.astype(np.float32), facts
 
+    @cached_property
+    def _layers(self) -> LayeredAtlas:
+        return read_layered(self.sidecar)[0]
+
     def inside(self, camera: Camera) -> Mask:
         """Pixels whose middle shows the head, (H, W)."""
         return self.buffer(camera).inside
@@ -150,6 +164,16 @@ class Bake:
     def eroded(self, camera: Camera) -> Mask:
         """The same without its outermost pixels, where programs may disagree about the edge."""
         return self.buffer(camera).eroded
+
+
+def steady_picture(atlas: LayeredAtlas, buffer: GBuffer, at: Fragments, steady: float = STEADY) -> Picture:
+    """What the reference sampler sees at fragments, which are a G-buffer's, a ray for each pixel: (H, W, 3).
+
+    Lobes widen as normals do within pixels.
+    """
+    normal = buffer.spread(shading_normal(look_at(atlas, at), at))
+    spread = steady * squared_steps(normal, buffer.hit, buffer.pixels)[buffer.hit]
+    return buffer.resolve(buffer.spread(sample_layered(atlas, replace(at, spread=spread.astype(np.float32)))))
 
 
 @dataclass(frozen=True, eq=False)

@@ -42,6 +42,7 @@ EVERY_COMPILER = ("dxc", *COMPILERS)
 VISIBLE = ("Radiance", "ForwardOnly")  # passes that draw what is seen
 PIPELINES = {"URP": "UniversalPipeline", "HDRP": "HDRenderPipeline", "built-in": ""}
 FLIPPED = np.diag([-1.0, 1.0, 1.0])  # from glTF's axes to Unity's
+STILL = "RADTEX_STEADY 0.0"  # places that are looked up here lie apart: no pixel tells of the next
 FAR = np.array([4.0e5, -2.5e5, 3.0e5])  # there float32 knows places to some centimetres only
 TURN = np.array([[0.36, 0.48, -0.8], [-0.8, 0.60, 0.0], [0.48, 0.64, 0.60]])
 _SUBSHADER = re.compile(r"^    SubShader\n    \{(.*?)^    \}", re.MULTILINE | re.DOTALL)
@@ -118,7 +119,7 @@ def folder_of(asked: Asked, folder: Path, clear: bool = False) -> list[Pass]:
 
 def complete(code: str, folder: Path, *defined: str) -> str:
     """A pass's code with all that it includes, ours or what stands for Unity's."""
-    defines = "".join(f"#define {name}\n" for name in defined)
+    defines = "".join(f"#define {name}\n" for name in (STILL, *defined))
     return defines + inlined(code, [folder, HEADERS])
 
 

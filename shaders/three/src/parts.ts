@@ -24,6 +24,8 @@ import type { BakeTexture } from "./textures.js";
 const OF_IMAGES = ["colour", "tint", "normal"];
 const WHITE = new DataTexture(new Uint8Array([255, 255, 255, 255]), 1, 1);
 WHITE.needsUpdate = true;
+// By how much lobes widen where normals spread within a pixel, so that what moves does not shimmer: a pixel's own box.
+const STEADY = 0.16;
 
 /** What is drawn: the mesh, the inspector's picture of one bucket, or its three pixels of numbers. */
 export type Stage = "mesh" | "bucket" | "probe";
@@ -172,6 +174,7 @@ function layeredParts(
     uniforms["radtex_metal_map"] = { value: images?.metal ?? WHITE };
     uniforms["radtex_bump_map"] = { value: images?.bump ?? WHITE };
   }
+  if (stage === "mesh") told.push(`#define RADTEX_STEADY ${STEADY}`);
   // A picture of one point has no derivatives.
   if (!ofImages || stage !== "mesh") told.push("#define RADTEX_NO_DERIVATIVES");
   // The surface's frame is for the inspector alone.

@@ -67,6 +67,12 @@ def look_at(atlas: LayeredAtlas, at: Fragments) -> Look:
     return Look(bilinear(atlas.colour, at.uv), tint, normal)
 
 
+def shading_normal(look: Look, at: Fragments) -> Floats:
+    """The normals (N, 3) by which fragments are lit: not those of a map that lean too far from the mesh's."""
+    agrees = (look.normal * at.normal).sum(axis=1, keepdims=True) > _STEEP
+    return cast(Floats, np.where(agrees, look.normal, at.normal))
+
+
 def sample_layered(atlas: LayeredAtlas, at: Fragments, look: Look | None = None) -> Floats:
     """Radiance seen at fragments, (N, 3) float32, linear, premultiplied by `alpha_at` them.
 
@@ -74,8 +80,7 @@ def sample_layered(atlas: LayeredAtlas, at: Fragments, look: Look | None = None)
     comes through and fragments have no tangents.
     """
     look = look or look_at(atlas, at)
-    agrees = (look.normal * at.normal).sum(axis=1, keepdims=True) > _STEEP
-    normal = np.where(agrees, look.normal, at.normal)
+    normal = shading_normal(look, at)
     cosine = (normal * at.viewer).sum(axis=1)
     axis = (2 * cosine[:, None] * normal - at.viewer).astype(np.float32)
     axis = lifted(axis.T, at.normal.T).T
@@ -88,7 +93,7 @@ def sample_layered(atlas: LayeredAtlas, at: Fragments, look: Look | None = None)
     width = np.ones(len(axis), np.float32) if atlas.width is None else 2 ** bilinear(atlas.width, at.uv)[:, 0]
     direct, share = mirrored_light(
         atlas.around, atlas.materials, offset, axis, normal, cosine, at.material, width,
-        own[3], atlas.own.shape[2], Lit.of(at.normal, irradiance, look.colour),
+        own[3], atlas.own.shape[2], Lit.of(at.normal, irradiance, look.colour), at.spread,
     )  # fmt: skip
     mirrored = direct + share * own[:3]
     alpha = alpha_at(atlas, at.uv)
@@ -124,15 +129,16 @@ def mirrored_light(
     free: Floats,
     cells: int,
     lit: Lit | None = None,
+    spread: Floats | None = None,
 ) -> tuple[Floats, Floats]:
     """What lobes show of the surroundings, (3, N), and how much they show of the object itself, (3, N).
 
     `offset` (N, 3) is from the middle, `axis` (N, 3) the mirror direction, `cosine` (N,) N.V; `width` (N,)
     what the lobes' width² is multiplied by; `free` (N,) what the kept mask of `cells` x `cells` says;
-    `lit` as for `Around.look`.
+    `lit` as for `Around.look`; `spread` (N,) what is added to lobes' width², if anything.
     """
     direct, share = (np.zeros((3, len(axis)), dtype=np.float32) for _ in range(2))
-    for lobe in lobes_light(around, materials, offset, axis, normal, cosine, material, width, lit):
+    for lobe in lobes_light(around, materials, offset, axis, normal, cosine, material, width, lit, spread):
         lobe.add_to(direct, share, free, cells)
     return direct, share
 
@@ -166,6 +172,7 @@ def lobes_light(
     material: Ints,
     width: Floats,
     lit: Lit | None = None,
+    spread: Floats | None = None,
 ) -> Iterator[LobeLight]:
     """The lobes of all materials, with nothing before the surroundings; arguments as for `mirrored_light`."""
     for number, lobes in enumerate(materials):
@@ -177,7 +184,8 @@ def lobes_light(
         turned = bent(_rows(axis, some), _rows(normal, some), bend)
         beside = _rows(offset, some)
         bounds = lit if lit is None or isinstance(some, slice) else lit.some(some)
-        for one, wide in zip(weight, (variance * width[some]).astype(np.float32), strict=True):
+        more = 0 if spread is None else spread[some]
+        for one, wide in zip(weight, (variance * width[some] + more).astype(np.float32), strict=True):
             yield LobeLight(some, one, wide, around.look(beside, turned, wide, bounds))
 
 

@@ -9,6 +9,7 @@ const MIRROR := &"radtex_mirror"  ## Metadata of a bake's material: what mirror.
 const TO_BLENDER := Basis(Vector3(1, 0, 0), Vector3(0, 0, 1), Vector3(0, -1, 0))
 const OF_IMAGES := "radtex_images"  ## A material's values, where it is shown by its own images.
 const REPLACED := ["colour", "tint", "normal"]  ## The layers in whose place these are read.
+const STEADY := 0.16  ## By how much lobes widen where normals spread within a pixel: what moves does not shimmer.
 const TRANSPARENT := "RGBA16F"  ## The only format of light that has alpha.
 
 
@@ -126,6 +127,7 @@ static func _layered(facts: Dictionary, number: int, textures: Textures) -> Reci
 	var own: Dictionary = facts.shader.materials[number]
 	var of_images := own.has(OF_IMAGES)
 	_put_layers(recipe, facts, REPLACED if of_images else [])
+	recipe.defines["RADTEX_STEADY"] = STEADY
 	if of_images:
 		recipe.defines["RADTEX_IMAGES"] = 1
 	if recipe.defines.has("RADTEX_THROUGH"):

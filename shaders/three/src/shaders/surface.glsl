@@ -6,14 +6,15 @@
 #include <fog_pars_fragment>
 #include <logdepthbuf_pars_fragment>
 #include <clipping_planes_pars_fragment>
-in vec3 v_position, v_normal, v_eye;
-in vec4 v_tangent;
-in vec2 v_uv;
+// Centroid: at the rim of a triangle a pixel's middle may lie beyond it, where the mesh, and its map, has nothing.
+centroid in vec3 v_position, v_normal, v_eye;
+centroid in vec4 v_tangent;
+centroid in vec2 v_uv;
 #ifdef IMAGES
-in vec2 v_uv_images;
+centroid in vec2 v_uv_images;
 #endif
 #ifdef SUNLIT
-in vec3 v_to_sun;
+centroid in vec3 v_to_sun;
 #endif
 
 void main() {

@@ -11,16 +11,16 @@
 in vec4 tangent;
 #endif
 uniform mat4 u_baked;  // from the mesh's own space to the world of the bake
-out vec3 v_position, v_normal, v_eye;  // the eye: its place, or where an orthographic camera looks from
-out vec4 v_tangent;
-out vec2 v_uv;
+centroid out vec3 v_position, v_normal, v_eye;  // the eye: its place, or where an orthographic camera looks from
+centroid out vec4 v_tangent;
+centroid out vec2 v_uv;
 #ifdef IMAGES
 in vec2 uv_images;
-out vec2 v_uv_images;  // as glTF has it, for its images
+centroid out vec2 v_uv_images;  // as glTF has it, for its images
 #endif
 #ifdef SUNLIT
 uniform vec3 u_to_sun;  // in the scene's world
-out vec3 v_to_sun;
+centroid out vec3 v_to_sun;
 #endif
 
 void main() {

@@ -27,12 +27,14 @@ void main() {
 """
 
 
-def radiance(context: moderngl.Context, atlas: LayeredAtlas, lookup: Lookup, at: Fragments) -> Floats:
-    """Radiance seen at fragments, (N, 3) float32, linear."""
+def radiance(
+    context: moderngl.Context, atlas: LayeredAtlas, lookup: Lookup, at: Fragments, defines: str = ""
+) -> Floats:
+    """Radiance seen at fragments, (N, 3) float32, linear; with more `defines` than the lookup's."""
     count = len(at.uv)
     side = math.ceil(count**0.5)
     images = {"uvs": at.uv, "normals": at.normal, "viewers": at.viewer, "positions": at.position}
-    program = compiled(context, VERSIONS["GLSL 330"], lookup.code + _SHADER)
+    program = compiled(context, VERSIONS["GLSL 330"], defines + lookup.code + _SHADER)
     textures: dict[str, Floats | moderngl.Texture | moderngl.TextureArray] = dict(lookup.uploaded(context))
     for name, values in images.items():
         padded = np.zeros((side * side, values.shape[1]), dtype=np.float32)
