@@ -13,10 +13,8 @@ from dataclasses import dataclass
 from typing import Any, cast
 
 import bpy
-import numpy as np
 from mathutils import Matrix
 
-from ..core.arrays import Floats
 from ..core.errors import InputError
 from ..core.messages import Message, do
 from ..preview.light_linking import link_alike
@@ -32,11 +30,11 @@ from ..scene.mesh.instance_parts import (
     shows_instances,
 )
 from ..scene.objects import animates_visibility, is_linked, is_rendered
+from ..scene.preview_file import is_sheared
 from ..scene.scratch import find_view_layer, scratch_scene
 
 _HIDDEN = " (instances)"  # is added to the name of the object that shows them
 _NAMED = 50  # bytes of that name that are kept: Blender 4.5 has 63
-_SHEARED = 1e-5  # relative to a matrix's largest value
 _REAL = do("make instances real (Object > Apply)")
 
 
@@ -103,15 +101,9 @@ def _parts_of(owned: Owned) -> list[Part]:
         raise InputError(f"'{shown.original.name}' among them is shown by its preview: switch that off")
     parts = joined_parts(owned)
     own = (part.mesh.matrix_world for part in parts if part.mesh.matrix_world is not owned.matrix)
-    if any(map(_is_sheared, own)):
+    if any(is_sheared(Matrix(matrix.tolist())) for matrix in own):
         raise InputError("one of them is sheared")
     return parts
-
-
-def _is_sheared(matrix: Floats) -> bool:
-    """Whether location, rotation and scale cannot express a matrix (4, 4)."""
-    parts: Any = Matrix(matrix.tolist()).decompose()
-    return bool(np.abs(np.array(Matrix.LocRotScale(*parts)) - matrix).max() > _SHEARED * np.abs(matrix).max())
 
 
 def _replace(owned: Owned, parts: Sequence[Part]) -> Joined:

@@ -109,13 +109,13 @@ def settle(copy: bpy.types.Object, mesh: Any, matrix: Matrix, whole: bool = Fals
     copy.parent = None
     copy.constraints.clear()
     copy.animation_data_clear()
-    if whole or _sheared(matrix):
+    if whole or is_sheared(matrix):
         _give_to_mesh(matrix, mesh)
         matrix = Matrix.Identity(4)
     copy.matrix_world = matrix
 
 
-def _sheared(matrix: Matrix) -> bool:
+def is_sheared(matrix: Matrix) -> bool:
     """Whether location, rotation and scale cannot express the matrix, as below a stretched parent."""
     parts: Any = matrix.decompose()
     gap = np.abs(np.array(Matrix.LocRotScale(*parts)) - np.array(matrix)).max()

@@ -20,7 +20,7 @@ _OF_OBJECT = frozenset(("Generated", "Normal", "Object"))  # of texture coordina
 
 def reads_its_place(material: bpy.types.Material) -> bool:
     """Whether what the material shows depends on its object's own place, extent, name or instancer."""
-    return _reads(material.node_tree, set())
+    return _reads(material.node_tree, set(), _node_reads)
 
 
 def reads_instancer(material: bpy.types.Material) -> bool:
@@ -28,11 +28,8 @@ def reads_instancer(material: bpy.types.Material) -> bool:
     return _reads(material.node_tree, set(), _of_instancer)
 
 
-def _reads(
-    tree: bpy.types.NodeTree | None, known: set[Any], reads: Callable[[Any], bool] | None = None
-) -> bool:
-    """Whether any node of a tree, or of its groups, reads that: by default its object's place."""
-    reads = reads or _node_reads
+def _reads(tree: bpy.types.NodeTree | None, known: set[Any], reads: Callable[[Any], bool]) -> bool:
+    """Whether any node of a tree, or of its groups, reads that."""
     if tree is None or tree in known:
         return False
     known.add(tree)

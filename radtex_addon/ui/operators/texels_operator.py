@@ -161,28 +161,31 @@ def _show(layer: bpy.types.ViewLayer, squares: Sequence[Squares]) -> None:
     create.vertex_source(_VERTEX)
     create.fragment_source(_FRAGMENT)
     _Shown.shader = gpu.shader.create_from_info(create)
-    there = (one for one in squares if one.name in layer.objects)
-    _Shown.batches = tuple((one, _batch_of(layer, one.name)) for one in there)
+    drawn = ((one, _batch_of(layer, one.name)) for one in squares if one.name in layer.objects)
+    _Shown.batches = tuple((one, batch) for one, batch in drawn if batch is not None)
     views: Any = bpy.types.SpaceView3D
     _Shown.handler = views.draw_handler_add(_draw, (), "WINDOW", "POST_VIEW")
     redraw_views()
 
 
 def _batch_of(layer: bpy.types.ViewLayer, name: str) -> Any:
-    """An object's triangles as the viewport has them, with their places in its own axes, scaled as it is."""
+    """An object's triangles as the viewport has them, with their places in its own axes, scaled as it is.
+
+    None for a metaball whose faces are another one's.
+    """
     from gpu_extras.batch import batch_for_shader
+
+    from ...scene.mesh.attribute_arrays import bulk
+    from ...scene.surfaces import shown_mesh
 
     item: Any = layer.objects[name]
     evaluated = item.evaluated_get(layer.depsgraph)
-    mesh = evaluated.to_mesh()
-    try:
+    with shown_mesh(evaluated) as mesh:
+        if mesh is None:
+            return None
         mesh.calc_loop_triangles()
-        position = np.empty((len(mesh.vertices), 3), dtype=np.float32)
-        corners = np.empty((len(mesh.loop_triangles), 3), dtype=np.int32)
-        mesh.vertices.foreach_get("co", position.ravel())
-        mesh.loop_triangles.foreach_get("vertices", corners.ravel())
-    finally:
-        evaluated.to_mesh_clear()
+        position = bulk(mesh.vertices, "co", 3, np.float32).reshape(-1, 3)
+        corners = bulk(mesh.loop_triangles, "vertices", 3, np.int32).reshape(-1, 3)
     scale = np.array(evaluated.matrix_world.to_scale(), dtype=np.float32)
     flat = position[corners]
     place = flat * scale

@@ -4,24 +4,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import bpy
 
 
 def redraw() -> None:
     """Redraw the sidebar of every 3D view, but not the view itself."""
-    manager = bpy.context.window_manager
-    for window in manager.windows if manager is not None else ():
-        for area in window.screen.areas:
-            if area.type == "VIEW_3D":
-                for region in area.regions:
-                    if region.type == "UI":
-                        region.tag_redraw()
+    for area in _views():
+        for region in area.regions:
+            if region.type == "UI":
+                region.tag_redraw()
 
 
 def redraw_views() -> None:
     """Redraw every 3D view, with its sidebar."""
+    for area in _views():
+        area.tag_redraw()
+
+
+def _views() -> Iterator[bpy.types.Area]:
     manager = bpy.context.window_manager
     for window in manager.windows if manager is not None else ():
-        for area in window.screen.areas:
-            if area.type == "VIEW_3D":
-                area.tag_redraw()
+        yield from (area for area in window.screen.areas if area.type == "VIEW_3D")
