@@ -264,7 +264,8 @@ vec4 radtex_picture(sampler2D image, vec4 range, vec4 levels, vec3 d, float spre
 vec4 radtex_below(vec3 from, vec3 ray, float spread) {
     vec3 N = radtex_plane_place.xyz;
     float sine = dot(ray, N), squared = sine * sine + 2.0 * exp2(spread), root = inversesqrt(squared);
-    float deep = clamp(squared * root, 1e-4, 0.999);
+    float deep = clamp(squared * root, 1e-4, 0.999), share = 0.5 - 0.5 * sine * root;
+    if (share < 0.002) return vec4(0.0, 0.0, 0.0, 0.0);
     vec3 level = ray - sine * N;
     level *= inversesqrt(max(dot(level, level), 1e-12));
     float far = max(dot(from, N) - radtex_plane_place.w, 0.0) / deep;
@@ -272,7 +273,7 @@ vec4 radtex_below(vec3 from, vec3 ray, float spread) {
     float nearness = inversesqrt(max(dot(met, met), 1e-12)), along = far * nearness;
     float wider = clamp(along * along * radtex_plane_eye.w * nearness / deep, 0.00390625, 16.0);
     vec4 found = radtex_picture(radtex_plane_map, radtex_plane_range, radtex_plane_levels, met, spread + log2(wider));
-    return found * (0.5 - 0.5 * sine * root);
+    return found * share;
 }
 
 #if RADTEX_SHELL > 0
@@ -476,21 +477,29 @@ vec3 radtex_lamps(vec3 from, vec3 ray, float width, vec4 lit) {
 // What a lobe about the unit ray, of a width² whose log2 is `spread`, shows of the surroundings from a place that is
 // given from the middle; `met` is radtex_met of both, `lit` as for radtex_lamp, (0, 0, 0, 1e6) where no surface is.
 vec3 radtex_shown(vec3 from, vec3 ray, vec4 met, float spread, vec4 lit) {
-    vec3 light = radtex_blurred(radtex_world_map, radtex_world_levels, ray, spread).rgb * radtex_world_range.z
-        + radtex_world_range.w;
-    vec4 before;
-#ifdef RADTEX_PLANE
-#if RADTEX_SHELL > 0
-    before = radtex_walls(from, ray, spread);
-#else
-    before = radtex_below(from, ray, spread);
-#endif
-    light = light * (1.0 - before.a) + before.rgb;
-#endif
+    vec3 light = vec3(0.0, 0.0, 0.0);
+    float left = 1.0;  // of what lies behind
+    vec4 next;
 #ifdef RADTEX_THINGS
-    before = radtex_things(met, spread);
-    light = light * (1.0 - before.a) + before.rgb;
+    next = radtex_things(met, spread);
+    light = next.rgb;
+    left = 1.0 - next.a;
 #endif
+#ifdef RADTEX_PLANE
+    if (left > 0.001) {
+#if RADTEX_SHELL > 0
+        next = radtex_walls(from, ray, spread);
+#else
+        next = radtex_below(from, ray, spread);
+#endif
+        light += left * next.rgb;
+        left *= 1.0 - next.a;
+    }
+#endif
+    if (left > 0.001) {
+        next = radtex_blurred(radtex_world_map, radtex_world_levels, ray, spread);
+        light += left * (next.rgb * radtex_world_range.z + radtex_world_range.w);
+    }
     return light + radtex_lamps(from, ray, exp2(spread), lit);
 }
 #endif
@@ -541,7 +550,10 @@ vec3 radtex_reflected(vec3 colour, float width, float cosine, float opacity) {
 
 // What a lobe (weight, and log2 of its width²) shows; `own` is what the object shows of itself.
 vec3 radtex_mirrored(vec3 from, vec3 ray, vec4 met, vec4 own, vec4 lobe, vec4 lit) {
-    return lobe.rgb * mix(own.rgb, radtex_shown(from, ray, met, lobe.a, lit), radtex_free(own.a, exp2(lobe.a)));
+    float free = radtex_free(own.a, exp2(lobe.a));
+    vec3 light = own.rgb;
+    if (free > 0.001) light += free * (radtex_shown(from, ray, met, lobe.a, lit) - light);
+    return lobe.rgb * light;
 }
 #endif
 
@@ -621,39 +633,42 @@ vec3 radtex_lit_of(int material, vec2 uv, vec3 position, vec3 face, vec3 V, Radt
     axis *= inversesqrt(dot(axis, axis));
     vec2 place = radtex_square(axis);
 #ifdef RADTEX_MIRRORS
-    vec3 from = position - radtex_middle.xyz;
-    vec4 own = radtex_own(uv, place);
-    vec3 towards = N - dot(N, axis) * axis;
-    towards *= inversesqrt(max(dot(towards, towards), 1e-12));
-    vec3 ray = axis * sqrt(1.0 - facts.a * facts.a) + towards * facts.a;
     low += 16 * material;
-    vec4 met = radtex_met(from, ray), lobe = mix(radtex_lobes[low], radtex_lobes[low + 1], above);
-    vec4 lit = radtex_lit_by(face, even, look.colour);
+    vec4 lobe = mix(radtex_lobes[low], radtex_lobes[low + 1], above), second = vec4(0.0, 0.0, 0.0, 0.0);
+#if RADTEX_SECOND_LOBE > 0
+    second = mix(radtex_lobes[low + 16], radtex_lobes[low + 17], above);
+#endif
     float wider = 0.0;
 #ifdef RADTEX_WIDTH
     wider = radtex_map(radtex_width_map, radtex_width_range, uv).r;
 #endif
-    lobe.a += wider;
+    float spread = 0.0;
 #ifdef RADTEX_STEADY
     vec3 across = dFdx(N), up = dFdy(N);
-    float spread = float(RADTEX_STEADY) * (dot(across, across) + dot(up, up));
-    lobe.a = log2(exp2(lobe.a) + spread);
+    spread += float(RADTEX_STEADY) * (dot(across, across) + dot(up, up));
 #endif
-    vec3 mirrored = radtex_mirrored(from, ray, met, own, lobe, lit);
+    if (radtex_luminance(lobe.rgb + second.rgb) > 0.0) {
+        vec3 from = position - radtex_middle.xyz, towards = N - dot(N, axis) * axis;
+        towards *= inversesqrt(max(dot(towards, towards), 1e-12));
+        vec3 ray = axis * sqrt(1.0 - facts.a * facts.a) + towards * facts.a;
+        vec4 own = radtex_own(uv, place), met = radtex_met(from, ray), lit = radtex_lit_by(face, even, look.colour);
+        lobe.a = log2(exp2(lobe.a + wider) + spread);
+        vec3 mirrored = radtex_mirrored(from, ray, met, own, lobe, lit);
 #if RADTEX_SECOND_LOBE > 0
-    lobe = mix(radtex_lobes[low + 16], radtex_lobes[low + 17], above);
-    lobe.a += wider;
-#ifdef RADTEX_STEADY
-    lobe.a = log2(exp2(lobe.a) + spread);
+        second.a = log2(exp2(second.a + wider) + spread);
+        if (radtex_luminance(second.rgb) > 0.0) {
+            mirrored += radtex_mirrored(from, ray, met, own, second, lit);
+        }
 #endif
-    mirrored += radtex_mirrored(from, ray, met, own, lobe, lit);
-#endif
-    vec3 tint = look.tint;
+        vec3 tint = look.tint;
 #ifdef RADTEX_GLOSSES
-    vec4 gloss = radtex_gloss[material];
-    if (gloss.g > 0.0) tint = radtex_reflected(gloss.rgb * tint, exp2(gloss.a + wider), cosine, look.opacity);
+        vec4 gloss = radtex_gloss[material];
+        if (gloss.g > 0.0) {
+            tint = radtex_reflected(gloss.rgb * tint, exp2(gloss.a + wider), cosine, look.opacity);
+        }
 #endif
-    light += mirrored * tint;
+        light += mirrored * tint;
+    }
 #endif
     vec3 rest = radtex_rest(radtex_rest_map, radtex_rest_range, radtex_rest_tile, float(RADTEX_REST_CELLS), uv, place);
     light += max(look.opacity * rest, -0.5 * light);

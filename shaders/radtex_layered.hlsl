@@ -276,7 +276,8 @@ float4 radtex_picture(Texture2D image, float4 range, float4 levels, float3 d, fl
 float4 radtex_below(float3 from, float3 ray, float spread) {
     float3 N = radtex_plane_place.xyz;
     float sine = dot(ray, N), squared = sine * sine + 2.0 * exp2(spread), root = rsqrt(squared);
-    float deep = clamp(squared * root, 1e-4, 0.999);
+    float deep = clamp(squared * root, 1e-4, 0.999), share = 0.5 - 0.5 * sine * root;
+    if (share < 0.002) return float4(0.0, 0.0, 0.0, 0.0);
     float3 level = ray - sine * N;
     level *= rsqrt(max(dot(level, level), 1e-12));
     float far = max(dot(from, N) - radtex_plane_place.w, 0.0) / deep;
@@ -284,7 +285,7 @@ float4 radtex_below(float3 from, float3 ray, float spread) {
     float nearness = rsqrt(max(dot(met, met), 1e-12)), along = far * nearness;
     float wider = clamp(along * along * radtex_plane_eye.w * nearness / deep, 0.00390625, 16.0);
     float4 found = radtex_picture(radtex_plane_map, radtex_plane_range, radtex_plane_levels, met, spread + log2(wider));
-    return found * (0.5 - 0.5 * sine * root);
+    return found * share;
 }
 
 #if RADTEX_SHELL > 0
@@ -489,21 +490,29 @@ float3 radtex_lamps(float3 from, float3 ray, float width, float4 lit) {
 // What a lobe about the unit ray, of a width² whose log2 is `spread`, shows of the surroundings from a place that is
 // given from the middle; `met` is radtex_met of both, `lit` as for radtex_lamp, (0, 0, 0, 1e6) where no surface is.
 float3 radtex_shown(float3 from, float3 ray, float4 met, float spread, float4 lit) {
-    float3 light = radtex_blurred(radtex_world_map, radtex_world_levels, ray, spread).rgb * radtex_world_range.z
-        + radtex_world_range.w;
-    float4 before;
-#ifdef RADTEX_PLANE
-#if RADTEX_SHELL > 0
-    before = radtex_walls(from, ray, spread);
-#else
-    before = radtex_below(from, ray, spread);
-#endif
-    light = light * (1.0 - before.a) + before.rgb;
-#endif
+    float3 light = float3(0.0, 0.0, 0.0);
+    float left = 1.0;  // of what lies behind
+    float4 next;
 #ifdef RADTEX_THINGS
-    before = radtex_things(met, spread);
-    light = light * (1.0 - before.a) + before.rgb;
+    next = radtex_things(met, spread);
+    light = next.rgb;
+    left = 1.0 - next.a;
 #endif
+#ifdef RADTEX_PLANE
+    if (left > 0.001) {
+#if RADTEX_SHELL > 0
+        next = radtex_walls(from, ray, spread);
+#else
+        next = radtex_below(from, ray, spread);
+#endif
+        light += left * next.rgb;
+        left *= 1.0 - next.a;
+    }
+#endif
+    if (left > 0.001) {
+        next = radtex_blurred(radtex_world_map, radtex_world_levels, ray, spread);
+        light += left * (next.rgb * radtex_world_range.z + radtex_world_range.w);
+    }
     return light + radtex_lamps(from, ray, exp2(spread), lit);
 }
 #endif
@@ -554,7 +563,10 @@ float3 radtex_reflected(float3 colour, float width, float cosine, float opacity)
 
 // What a lobe (weight, and log2 of its width²) shows; `own` is what the object shows of itself.
 float3 radtex_mirrored(float3 from, float3 ray, float4 met, float4 own, float4 lobe, float4 lit) {
-    return lobe.rgb * lerp(own.rgb, radtex_shown(from, ray, met, lobe.a, lit), radtex_free(own.a, exp2(lobe.a)));
+    float free = radtex_free(own.a, exp2(lobe.a));
+    float3 light = own.rgb;
+    if (free > 0.001) light += free * (radtex_shown(from, ray, met, lobe.a, lit) - light);
+    return lobe.rgb * light;
 }
 #endif
 
@@ -627,8 +639,8 @@ RadtexLook radtex_look(float2 uv, float3 face) {
 #endif
 
 // Radiance towards the viewer, in the unit direction V, from a place at `position` whose unit normal is `face`, of a
-// material that looks so.
-float3 radtex_lit(float2 uv, float3 position, float3 face, float3 V, RadtexLook look) {
+// material that looks so, with lobes whose width² is larger by `more`.
+float3 radtex_lit(float2 uv, float3 position, float3 face, float3 V, RadtexLook look, float more) {
     const int material = 0;
     float3 shading = look.normal * rsqrt(max(dot(look.normal, look.normal), 1e-12));
     float3 N = dot(shading, face) > 0.3 ? shading : face;
@@ -643,39 +655,42 @@ float3 radtex_lit(float2 uv, float3 position, float3 face, float3 V, RadtexLook 
     axis *= rsqrt(dot(axis, axis));
     float2 place = radtex_square(axis);
 #ifdef RADTEX_MIRRORS
-    float3 from = position - radtex_middle.xyz;
-    float4 own = radtex_own(uv, place);
-    float3 towards = N - dot(N, axis) * axis;
-    towards *= rsqrt(max(dot(towards, towards), 1e-12));
-    float3 ray = axis * sqrt(1.0 - facts.a * facts.a) + towards * facts.a;
     low += 16 * material;
-    float4 met = radtex_met(from, ray), lobe = lerp(radtex_lobes[low], radtex_lobes[low + 1], above);
-    float4 lit = radtex_lit_by(face, even, look.colour);
+    float4 lobe = lerp(radtex_lobes[low], radtex_lobes[low + 1], above), second = float4(0.0, 0.0, 0.0, 0.0);
+#if RADTEX_SECOND_LOBE > 0
+    second = lerp(radtex_lobes[low + 16], radtex_lobes[low + 17], above);
+#endif
     float wider = 0.0;
 #ifdef RADTEX_WIDTH
     wider = radtex_map(radtex_width_map, radtex_width_range, uv).r;
 #endif
-    lobe.a += wider;
+    float spread = more;
 #ifdef RADTEX_STEADY
     float3 across = ddx(N), up = ddy(N);
-    float spread = float(RADTEX_STEADY) * (dot(across, across) + dot(up, up));
-    lobe.a = log2(exp2(lobe.a) + spread);
+    spread += float(RADTEX_STEADY) * (dot(across, across) + dot(up, up));
 #endif
-    float3 mirrored = radtex_mirrored(from, ray, met, own, lobe, lit);
+    if (radtex_luminance(lobe.rgb + second.rgb) > 0.0) {
+        float3 from = position - radtex_middle.xyz, towards = N - dot(N, axis) * axis;
+        towards *= rsqrt(max(dot(towards, towards), 1e-12));
+        float3 ray = axis * sqrt(1.0 - facts.a * facts.a) + towards * facts.a;
+        float4 own = radtex_own(uv, place), met = radtex_met(from, ray), lit = radtex_lit_by(face, even, look.colour);
+        lobe.a = log2(exp2(lobe.a + wider) + spread);
+        float3 mirrored = radtex_mirrored(from, ray, met, own, lobe, lit);
 #if RADTEX_SECOND_LOBE > 0
-    lobe = lerp(radtex_lobes[low + 16], radtex_lobes[low + 17], above);
-    lobe.a += wider;
-#ifdef RADTEX_STEADY
-    lobe.a = log2(exp2(lobe.a) + spread);
+        second.a = log2(exp2(second.a + wider) + spread);
+        if (radtex_luminance(second.rgb) > 0.0) {
+            mirrored += radtex_mirrored(from, ray, met, own, second, lit);
+        }
 #endif
-    mirrored += radtex_mirrored(from, ray, met, own, lobe, lit);
-#endif
-    float3 tint = look.tint;
+        float3 tint = look.tint;
 #ifdef RADTEX_GLOSSES
-    float4 gloss = radtex_gloss[material];
-    if (gloss.g > 0.0) tint = radtex_reflected(gloss.rgb * tint, exp2(gloss.a + wider), cosine, look.opacity);
+        float4 gloss = radtex_gloss[material];
+        if (gloss.g > 0.0) {
+            tint = radtex_reflected(gloss.rgb * tint, exp2(gloss.a + wider), cosine, look.opacity);
+        }
 #endif
-    light += mirrored * tint;
+        light += mirrored * tint;
+    }
 #endif
     float3 rest = radtex_rest(radtex_rest_map, radtex_rest_range, radtex_rest_tile, float(RADTEX_REST_CELLS), uv,
         place);
@@ -687,13 +702,12 @@ float3 radtex_lit(float2 uv, float3 position, float3 face, float3 V, RadtexLook 
 // Radiance towards the viewer of the material that the uniforms tell of, by its own images: at their texture
 // coordinates `place`, with the tangents of these. T, B and `face` are as radtex_look_of takes them.
 float3 radtex_layered_images(float2 uv, float2 place, float3 position, float3 T, float3 B, float3 face, float3 V) {
-    return radtex_lit(uv, position, normalize(face), V, radtex_look_of_images(place, uv, T, B, face));
+    return radtex_lit(uv, position, normalize(face), V, radtex_look_of_images(place, uv, T, B, face), 0.0);
 }
 #else
-
 // Radiance towards the viewer, in the unit direction V, from a place at `position` whose unit normal is N.
 float3 radtex_layered(float2 uv, float3 position, float3 N, float3 V) {
-    return radtex_lit(uv, position, N, V, radtex_look(uv, N));
+    return radtex_lit(uv, position, N, V, radtex_look(uv, N), 0.0);
 }
 #endif
 

@@ -215,6 +215,8 @@ fn radtex_below(whence: vec3f, ray: vec3f, spread: f32) -> vec4f {
     let squared = sine * sine + 2.0 * exp2(spread);
     let root = inverseSqrt(squared);
     let deep = clamp(squared * root, 1e-4, 0.999);
+    let share = 0.5 - 0.5 * sine * root;
+    if share < 0.002 { return vec4f(0.0, 0.0, 0.0, 0.0); }
     var level = ray - sine * N;
     level *= inverseSqrt(max(dot(level, level), 1e-12));
     let far = max(dot(whence, N) - radtex.plane_place.w, 0.0) / deep;
@@ -223,7 +225,7 @@ fn radtex_below(whence: vec3f, ray: vec3f, spread: f32) -> vec4f {
     let along = far * nearness;
     let wider = clamp(along * along * radtex.plane_eye.w * nearness / deep, 0.00390625, 16.0);
     let found = radtex_picture(radtex_plane_map, radtex.plane_range, radtex.plane_levels, met, spread + log2(wider));
-    return found * (0.5 - 0.5 * sine * root);
+    return found * share;
 }
 
 // Which of a room's planes a ray meets from inside, the nearest that it points at: its normal, and how far that is.
@@ -423,20 +425,28 @@ fn radtex_lamps(whence: vec3f, ray: vec3f, width: f32, lit: vec4f) -> vec3f {
 // What a lobe about the unit ray, of a width² whose log2 is `spread`, shows of the surroundings from a place that is
 // given from the middle; `met` is radtex_met of both, `lit` as for radtex_lamp, (0, 0, 0, 1e6) where no surface is.
 fn radtex_shown(whence: vec3f, ray: vec3f, met: vec4f, spread: f32, lit: vec4f) -> vec3f {
-    var light = radtex_blurred(radtex_world_map, radtex.world_levels, ray, spread).rgb * radtex.world_range.z
-        + radtex.world_range.w;
-    var before: vec4f;
-    if RADTEX_PLANE {
-        if RADTEX_SHELL > 0 {
-            before = radtex_walls(whence, ray, spread);
-        } else {
-            before = radtex_below(whence, ray, spread);
-        }
-        light = light * (1.0 - before.a) + before.rgb;
-    }
+    var light = vec3f(0.0, 0.0, 0.0);
+    var left = 1.0;  // of what lies behind
+    var next: vec4f;
     if RADTEX_THINGS {
-        before = radtex_things(met, spread);
-        light = light * (1.0 - before.a) + before.rgb;
+        next = radtex_things(met, spread);
+        light = next.rgb;
+        left = 1.0 - next.a;
+    }
+    if RADTEX_PLANE {
+        if left > 0.001 {
+            if RADTEX_SHELL > 0 {
+                next = radtex_walls(whence, ray, spread);
+            } else {
+                next = radtex_below(whence, ray, spread);
+            }
+            light += left * next.rgb;
+            left *= 1.0 - next.a;
+        }
+    }
+    if left > 0.001 {
+        next = radtex_blurred(radtex_world_map, radtex.world_levels, ray, spread);
+        light += left * (next.rgb * radtex.world_range.z + radtex.world_range.w);
     }
     return light + radtex_lamps(whence, ray, exp2(spread), lit);
 }
@@ -486,7 +496,10 @@ fn radtex_reflected(colour: vec3f, width: f32, cosine: f32, opacity: f32) -> vec
 
 // What a lobe (weight, and log2 of its width²) shows; `own` is what the object shows of itself.
 fn radtex_mirrored(whence: vec3f, ray: vec3f, met: vec4f, own: vec4f, lobe: vec4f, lit: vec4f) -> vec3f {
-    return lobe.rgb * mix(own.rgb, radtex_shown(whence, ray, met, lobe.a, lit), radtex_free(own.a, exp2(lobe.a)));
+    let free = radtex_free(own.a, exp2(lobe.a));
+    var light = own.rgb;
+    if free > 0.001 { light += free * (radtex_shown(whence, ray, met, lobe.a, lit) - light); }
+    return lobe.rgb * light;
 }
 
 // A material at a place: the colour of its diffuse light, what its lobes are multiplied by, its normal, and its alpha,
@@ -537,8 +550,8 @@ fn radtex_look(uv: vec2f, face: vec3f) -> RadtexLook {
 }
 
 // Radiance towards the viewer, in the unit direction V, from a place at `position` whose unit normal is `face`, of a
-// material that looks so.
-fn radtex_lit(uv: vec2f, position: vec3f, face: vec3f, V: vec3f, look: RadtexLook) -> vec3f {
+// material that looks so, with lobes whose width² is larger by `more`.
+fn radtex_lit(uv: vec2f, position: vec3f, face: vec3f, V: vec3f, look: RadtexLook, more: f32) -> vec3f {
     const material: i32 = 0;
     let shading = look.normal * inverseSqrt(max(dot(look.normal, look.normal), 1e-12));
     let N = select(face, shading, dot(shading, face) > 0.3);
@@ -555,32 +568,42 @@ fn radtex_lit(uv: vec2f, position: vec3f, face: vec3f, V: vec3f, look: RadtexLoo
     axis *= inverseSqrt(dot(axis, axis));
     let place = radtex_square(axis);
     if RADTEX_MIRRORS {
-        let whence = position - radtex.middle.xyz;
-        let own = radtex_own(uv, place);
-        var towards = N - dot(N, axis) * axis;
-        towards *= inverseSqrt(max(dot(towards, towards), 1e-12));
-        let ray = axis * sqrt(1.0 - facts.a * facts.a) + towards * facts.a;
         low += 16 * material;
-        let met = radtex_met(whence, ray);
         var lobe = mix(radtex_of.lobes[low], radtex_of.lobes[low + 1], above);
-        let lit = radtex_lit_by(face, even, look.colour);
+        var second = vec4f(0.0, 0.0, 0.0, 0.0);
+        if RADTEX_SECOND_LOBE > 0 {
+            second = mix(radtex_of.lobes[low + 16], radtex_of.lobes[low + 17], above);
+        }
         var wider = 0.0;
         if RADTEX_WIDTH {
             wider = radtex_map(radtex_width_map, radtex.width_range, uv).r;
         }
-        lobe.a += wider;
-        var mirrored = radtex_mirrored(whence, ray, met, own, lobe, lit);
-        if RADTEX_SECOND_LOBE > 0 {
-            lobe = mix(radtex_of.lobes[low + 16], radtex_of.lobes[low + 17], above);
-            lobe.a += wider;
-            mirrored += radtex_mirrored(whence, ray, met, own, lobe, lit);
+        let spread = more;
+        if radtex_luminance(lobe.rgb + second.rgb) > 0.0 {
+            let whence = position - radtex.middle.xyz;
+            var towards = N - dot(N, axis) * axis;
+            towards *= inverseSqrt(max(dot(towards, towards), 1e-12));
+            let ray = axis * sqrt(1.0 - facts.a * facts.a) + towards * facts.a;
+            let own = radtex_own(uv, place);
+            let met = radtex_met(whence, ray);
+            let lit = radtex_lit_by(face, even, look.colour);
+            lobe.a = log2(exp2(lobe.a + wider) + spread);
+            var mirrored = radtex_mirrored(whence, ray, met, own, lobe, lit);
+            if RADTEX_SECOND_LOBE > 0 {
+                second.a = log2(exp2(second.a + wider) + spread);
+                if radtex_luminance(second.rgb) > 0.0 {
+                    mirrored += radtex_mirrored(whence, ray, met, own, second, lit);
+                }
+            }
+            var tint = look.tint;
+            if RADTEX_GLOSSES {
+                let gloss = radtex_of.gloss[material];
+                if gloss.g > 0.0 {
+                    tint = radtex_reflected(gloss.rgb * tint, exp2(gloss.a + wider), cosine, look.opacity);
+                }
+            }
+            light += mirrored * tint;
         }
-        var tint = look.tint;
-        if RADTEX_GLOSSES {
-            let gloss = radtex_of.gloss[material];
-            if gloss.g > 0.0 { tint = radtex_reflected(gloss.rgb * tint, exp2(gloss.a + wider), cosine, look.opacity); }
-        }
-        light += mirrored * tint;
     }
     let rest = radtex_rest(radtex_rest_map, radtex.rest_range, radtex.rest_tile, f32(RADTEX_REST_CELLS), uv, place);
     light += max(look.opacity * rest, -0.5 * light);
@@ -589,5 +612,17 @@ fn radtex_lit(uv: vec2f, position: vec3f, face: vec3f, V: vec3f, look: RadtexLoo
 
 // Radiance towards the viewer, in the unit direction V, from a place at `position` whose unit normal is N.
 fn radtex_layered(uv: vec2f, position: vec3f, N: vec3f, V: vec3f) -> vec3f {
-    return radtex_lit(uv, position, N, V, radtex_look(uv, N));
+    return radtex_lit(uv, position, N, V, radtex_look(uv, N), 0.0);
+}
+
+// The same with lobes that are wider where normals differ from one pixel to the next, so that what is far away or
+// sharply curved does not shimmer, by so much: 0.16 is what a pixel covers, 4 times a twelfth for each of two axes, as
+// a mirror doubles angles. In the fragment stage alone, and not where fragments go different ways.
+fn radtex_layered_steady(uv: vec2f, position: vec3f, N: vec3f, V: vec3f, steady: f32) -> vec3f {
+    let look = radtex_look(uv, N);
+    let shading = look.normal * inverseSqrt(max(dot(look.normal, look.normal), 1e-12));
+    let normal = select(N, shading, dot(shading, N) > 0.3);
+    let across = dpdx(normal);
+    let up = dpdy(normal);
+    return radtex_lit(uv, position, N, V, look, steady * (dot(across, across) + dot(up, up)));
 }

@@ -9,6 +9,7 @@
 // bitangent's sign, then the normal. Before them is that of the bake; if there are six, the first is the images'.
 #if PIXELSHADER
 #define RADTEX_LEVEL(uv, texels, levels) radtex_level(uv, texels, levels)
+#define RADTEX_STEADY 0.16  // what moves does not shimmer
 #else  // hit shaders have no derivatives
 #define RADTEX_LEVEL(uv, texels, levels) 0.0
 #define RADTEX_NO_DERIVATIVES
@@ -32,4 +33,5 @@ float4 radtex_found = radtex.radtex_light(
     @FRAME@,
     mul((float3x3)radtex_baked, Viewer), @SUN@);
 @UNDEFINES@
+#undef RADTEX_STEADY
 return radtex_found;

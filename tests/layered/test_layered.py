@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import pytest
 
@@ -30,7 +32,7 @@ from radtex_addon.forms.layered.lookup.environment import (
     SurroundingLayer,
     lamps_of,
 )
-from radtex_addon.forms.layered.lookup.lobes import lobe, seen_free
+from radtex_addon.forms.layered.lookup.lobes import STEPS, Material, lobe, seen_free
 from tests.layered.made_up import flat_plan, places_of
 
 SIDE = 12  # texels of a flat atlas
@@ -181,18 +183,30 @@ def test_a_lamp_twice_as_far_is_a_quarter_as_bright() -> None:
     np.testing.assert_allclose(beyond / here, 0.25, rtol=0.02)
 
 
-def test_lobes_are_found_in_paths_that_are_spread_by_them() -> None:
+def fitted_to(widths: Sequence[float], shares: Sequence[float]) -> Material:
+    """What is fitted to paths near N.V = 0.63 that lobes of these widths spread."""
     rng, count = np.random.default_rng(5), 60_000
     normal = np.broadcast_to(np.array([0, 0, 1.0]), (count, 3))
     cosine = rng.uniform(0.6, 0.66, count)
     axis = np.stack([np.sqrt(1 - cosine**2), np.zeros(count), cosine], axis=1)
-    narrow = rng.random(count) < 0.7
-    variance: Floats = np.where(narrow, 0.02**2, 0.2**2)
+    variance: Floats = rng.choice(np.square(widths), count, p=shares)
     end = spread_by_lobe(rng, axis, normal, variance)
     weight = np.tile([0.9, 0.5, 0.1], (count, 1))
     number = np.arange(count)
     paths = Paths(number, weight, end, axis, normal, cosine, np.zeros(count, dtype=np.int32))
-    (material,) = fit_materials(paths, 1)
+    return fit_materials(paths, 1)[0]
+
+
+def test_a_lobe_that_tells_all_is_alone() -> None:
+    for width in (0.02, 0.4):
+        material = fitted_to([width], [1])
+        assert not material.weight[1].any()
+        np.testing.assert_allclose(np.sqrt(material.variance), width, rtol=0.05)
+        np.testing.assert_allclose(material.weight[0], [[0.9, 0.5, 0.1]] * STEPS, rtol=1e-3)
+
+
+def test_lobes_are_found_in_paths_that_are_spread_by_them() -> None:
+    material = fitted_to([0.02, 0.2], [0.7, 0.3])
     shares, variances, bends = material.at(np.array([0.63]))
     np.testing.assert_allclose(shares[:, :, 0].sum(axis=0), [0.9, 0.5, 0.1], rtol=1e-3)
     np.testing.assert_allclose(shares[0, :, 0] / [0.9, 0.5, 0.1], 0.7, atol=0.05)

@@ -96,7 +96,7 @@ def around(code: str, lookup: HlslLookup, pixel: int = 1, material: int = 0) -> 
         arguments=", ".join(
             [*arguments, *(f"Texture2D {name}, SamplerState {name}Sampler" for name in inputs)]
         ),
-        code=code,
+        code=code.replace("RADTEX_STEADY 0.16", "RADTEX_STEADY 0"),  # pixels are no neighbours here
         given=", ".join([*kinds, *(f"T{name}, emulated_sampler" for name in inputs)]),
     )
 

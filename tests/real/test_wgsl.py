@@ -17,6 +17,7 @@ from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.frame import normalised, orthonormal_frame, to_frame
 from radtex_addon.core.sampler import Filter, sample
 from radtex_addon.forms.layered.files.arrangement import CHANNELS
+from radtex_addon.forms.layered.lookup.atlas import look_at, shading_normal
 from radtex_addon.forms.layered.shader_values import (
     BAKE_BUFFER,
     DEFAULT,
@@ -41,6 +42,7 @@ from tests.lookups import (
     random_atlas,
     random_lookups,
     relative_error,
+    squared_steps,
     worst_error,
 )
 from tests.real.root import Root
@@ -325,17 +327,20 @@ LAYERED = """
     return vec4f(%s, 1.0);
 }
 """
-LOOKUP, THROUGH = (
+LOOKUP, THROUGH, STEADY = (
     "radtex_layered(uv, position, N, V)",
     "radtex_layered_through(uv, position, N, V, T, B)",
+    "radtex_layered_steady(uv, position, N, V, 0.002)",
 )
 
 
-def run_layered(root: Root, case: Case, cost: LookupCost) -> Floats:
-    """The shader's answers, (N, 3) float32."""
+def run_layered(root: Root, case: Case, cost: LookupCost, lookup: str = "") -> Floats:
+    """The shader's answers, (N, 3) float32; by another `lookup` than the one that exports name if told."""
     names = ["radtex_layered", *(["radtex_layered_through"] if case.through else [])]
     code = "".join((FOLDER / f"{name}.wgsl").read_text(encoding="utf-8") for name in names)
-    code = code.replace("@group(1)", "@group(0)") + LAYERED % (THROUGH if case.through else LOOKUP)
+    code = code.replace("@group(1)", "@group(0)") + LAYERED % (
+        lookup or (THROUGH if case.through else LOOKUP)
+    )
     constants = {name: float(value) for name, value in definitions(case.sidecar, cost).items()}
     constants.pop("RADTEX_THROUGH", None)
     values = bake_values(case.sidecar, case.stored, cost)
@@ -370,6 +375,17 @@ def packed(values: Values, layout: Mapping[str, int]) -> Floats:
 def test_the_layered_layout_agrees_with_the_reference(root: Root, name: str) -> None:
     case = case_of(name)
     assert_agrees(name, run_layered(root, case, FULL), case)
+
+
+def test_lobes_widen_where_normals_differ_within_a_pixel(root: Root) -> None:
+    case = case_of("made up")
+    normal = shading_normal(look_at(case.atlas, case.at), case.at)
+    spread = 0.002 * squared_steps(normal, np.ones(COUNT, dtype=bool), SIDE)
+    assert np.median(spread) > 1e-3
+    wider = replace(case, at=replace(case.at, spread=spread.astype(np.float32)))
+    found = run_layered(root, case, FULL, STEADY)
+    assert_agrees("steady", found, wider)
+    assert off(found, case.answers()).mean() > 0.01, "without, they are not the same"
 
 
 def test_thrift_changes_little_of_the_layered_layout(root: Root) -> None:

@@ -76,9 +76,9 @@ class LookupCost:
     """What a lookup may cost.
 
     `steps`: fetches of distances, 0 to 2. `own_taps`, `rest_taps`: cells of a bucket that are blended, 3 or
-    4. `second_lobe`: whether it is looked up, or each material has one lobe in place of two. `exit_taps`: of
-    the ways of light that comes through, 16 are looked at, or 4, as the textures' filter blends those of
-    texels.
+    4. `second_lobe`: whether it is looked up where a material has one, or each has one in place of two.
+    `exit_taps`: of the ways of light that comes through, 16 are looked at, or 4, as the textures' filter
+    blends those of texels.
     """
 
     steps: int = 1
@@ -185,7 +185,8 @@ def definitions(sidecar: LayeredSidecar, cost: LookupCost = DEFAULT) -> dict[str
     found |= {"RADTEX_STEPS": cost.steps, "RADTEX_REST_TAPS": cost.rest_taps}
     if _mirrors(sidecar):
         found |= {"RADTEX_MIRRORS": 1, "RADTEX_OWN_CELLS": sidecar.own_cells}
-        found |= {"RADTEX_OWN_TAPS": cost.own_taps, "RADTEX_SECOND_LOBE": int(cost.second_lobe)}
+        second = cost.second_lobe and any(material.weight[1].any() for material in sidecar.materials)
+        found |= {"RADTEX_OWN_TAPS": cost.own_taps, "RADTEX_SECOND_LOBE": int(second)}
     if sidecar.glosses:
         found["RADTEX_GLOSSES"] = 1
     if sidecar.through is not None:

@@ -27,8 +27,8 @@ from radtex_addon.core.arrays import Floats
 from radtex_addon.formats.codecs.srgb import to_srgb
 from radtex_addon.formats.containers.png import encode_png
 
-from ..drawing import Canvas, View, canvas
-from .lookups import PHYSICALLY_BASED, Lookup, lookups_of
+from ..drawing import Canvas, Painter, View, canvas
+from .lookups import PHYSICALLY_BASED, lookups_of
 from .subject import TEXELS, Subject, names
 from .timing import Device, NoDeviceError, cards, device, measured
 
@@ -136,7 +136,8 @@ def _of_object(
     view = subject.view(size)
     lookups = lookups_of(found.context, subject, blocks)
     target = canvas(found.context, size)
-    pictures = {name: drawn(lookup, view, target) for name, lookup in lookups.items()}
+    pictures = {name: drawn(lookup.painter, view, target) for name, lookup in lookups.items()}
+    counts = {name: drawn(lookup.counting, view, target) for name, lookup in lookups.items()}
     if out is not None:
         _save(pictures, out / subject.name)
     took = measured(
@@ -151,6 +152,7 @@ def _of_object(
             "over_diffuse": _median(clock / took[DIFFUSE].clock),
             "over_physically_based": _median(clock / took[PHYSICALLY_BASED].clock),
             "fetches": lookup.fetches,
+            "fetches_made": _made(counts[name]),
             "bytes": lookup.bytes,
             "bytes_here": lookup.bytes_here,
             "mean_light": round(float(pictures[name][..., :3].mean()), 4),
@@ -159,10 +161,15 @@ def _of_object(
     return {"covered": round(covered, 3), "lookups": rows}
 
 
-def drawn(lookup: Lookup, view: View, target: Canvas) -> Floats:
+def drawn(painter: Painter, view: View, target: Canvas) -> Floats:
     """The picture by a lookup, linear (H, W, 4), the top row first; alpha is 1 where the object is."""
-    lookup.painter.draw(target.drawn, view)
+    painter.draw(target.drawn, view)
     return target.read()[::-1]
+
+
+def _made(counts: Floats) -> float:
+    """The mean of red over the pixels where the object is."""
+    return round(float(counts[counts[..., 3] > 0, 0].mean()), 2)
 
 
 def _save(pictures: dict[str, Floats], folder: Path) -> None:
@@ -182,8 +189,9 @@ def table(figures: dict[str, Any]) -> str:
     rows = [
         _conditions(figures),
         "",
-        "| ms a frame | " + " | ".join(objects) + " | over diffuse | over physically based | fetches | MB |",
-        "|---" * (len(objects) + 5) + "|",
+        "| ms a frame | " + " | ".join(objects) + " | over diffuse | over physically based | fetches "
+        "| made | MB |",
+        "|---" * (len(objects) + 6) + "|",
     ]
     for name in next(iter(objects.values()))["lookups"]:
         found = [each["lookups"][name] for each in objects.values()]
@@ -194,6 +202,7 @@ def table(figures: dict[str, Any]) -> str:
         ]
         cells += [
             _range([one["fetches"] for one in found], "d"),
+            _range([one.get("fetches_made", one["fetches"]) for one in found], ".1f"),
             _range([one["bytes"] / 1e6 for one in found], ".1f"),
         ]
         rows.append(f"| {name} | " + " | ".join(cells) + " |")

@@ -34,6 +34,25 @@ vec4 shade() {
     return vec4(radtex_layered(uv, position, normalize(normal), normalize(camera - position)), 1.0);
 }
 """
+# Around a shader: each fetch is counted, and the count drawn.
+_COUNTS = """
+int counted = 0;
+vec4 counted_once(vec4 texel) {
+    counted++;
+    return texel;
+}
+#define texture(image, place) counted_once(texture(image, place))
+#define textureLod(image, place, level) counted_once(textureLod(image, place, level))
+#define texelFetch(image, texel, level) counted_once(texelFetch(image, texel, level))
+#define shade shade_counted
+"""
+_COUNTED = """
+#undef shade
+vec4 shade() {
+    vec4 shown = shade_counted();
+    return vec4(float(counted) + 1e-30 * shown.r, 0.0, 0.0, 1.0);
+}
+"""
 _MATRIX = "uniform sampler2D atlas; uniform ivec2 texels; uniform int n;"
 _INCIDENCE = "radtex_incidence(camera - position, normal, tangent.xyz, tangent.w)"
 _HARDWARE = "#define RADTEX_HARDWARE_LINEAR\n"
@@ -50,12 +69,14 @@ vec4 shade() {{ return radtex_slices(slices, n, uv, {_INCIDENCE}); }}"""
 
 @dataclass(frozen=True, eq=False)
 class Lookup:
-    """What draws by a lookup, how many fetches it makes at a fragment, and its textures' bytes.
+    """What draws by a lookup, how many fetches its text makes at a fragment, and its textures' bytes.
 
-    `bytes` are those of blocks, which a card holds, `bytes_here` those that this device holds.
+    `counting` draws in red how many fetches are made, as branches leave some out. `bytes` are those of
+    blocks, which a card holds, `bytes_here` those that this device holds.
     """
 
     painter: Painter
+    counting: Painter
     fetches: int
     bytes: int
     bytes_here: int
@@ -73,11 +94,13 @@ class Lookup:
     ) -> Lookup:
         """A lookup by the shader `code`; the rest as of `Painter`."""
         samplers = {name: upload.texture for name, upload in textures.items()}
-        painter = Painter(context, model, code, samplers, values, by_material)
-        uploads = textures.values()
-        return cls(
-            painter, fetches, sum(each.bytes for each in uploads), sum(each.bytes_here for each in uploads)
+        painter, counting = (
+            Painter(context, model, text, samplers, values, by_material)
+            for text in (code, _COUNTS + code + _COUNTED)
         )
+        uploads = textures.values()
+        size, here = sum(each.bytes for each in uploads), sum(each.bytes_here for each in uploads)
+        return cls(painter, counting, fetches, size, here)
 
 
 @dataclass(frozen=True, eq=False)

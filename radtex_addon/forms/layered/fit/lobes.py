@@ -27,6 +27,8 @@ _OVERLAP = 0.75  # steps around a step's middle whose paths count
 SHARPEST = 0.003  # radians: no lobe is narrower
 _WIDEST = 1.0
 _LEAST_SHOWN = 1e-3
+_NO_SECOND = np.array([1.0, 0.0])  # shares of the light
+LITTLE = 0.01  # of the mean log-likelihood: what a second lobe must tell
 _FACING = 13  # the first step of N.V where a surface reflects about as much as along its normal
 _MOST_MET = 1.25  # times as much light, at most, as those paths tell that leave the object
 END = 0.5  # length of a direction: where paths differ too much it is shorter
@@ -61,11 +63,20 @@ class Paths:
 
 
 def fit_materials(paths: Paths, count: int) -> tuple[Material, ...]:
-    """The lobes of so many materials; those without paths mirror nothing."""
-    return tuple(_fit_material(paths, paths.material == number) for number in range(count))
+    """The lobes of so many materials; those without paths mirror nothing.
+
+    A material has one lobe, the weight of the second being 0, where two tell hardly more of its paths.
+    """
+    return tuple(_fit_lobes(paths, paths.material == number) for number in range(count))
 
 
-def _fit_material(paths: Paths, own: Bools) -> Material:
+def _fit_lobes(paths: Paths, own: Bools) -> Material:
+    one, two = (_fit_material(paths, own, lobes) for lobes in (1, LOBES))
+    some = paths.some(np.flatnonzero(own))
+    return one if likelihood(two, some) - likelihood(one, some) < LITTLE else two
+
+
+def _fit_material(paths: Paths, own: Bools, lobes: int) -> Material:
     weight = np.zeros((LOBES, STEPS, 3))
     variance, bend = np.full((LOBES, STEPS), 0.1), np.zeros(STEPS)
 
@@ -78,7 +89,7 @@ def _fit_material(paths: Paths, own: Bools) -> Material:
         mean = paths.weight[near].mean(axis=0)
         if paths.shown is not None:
             mean /= np.maximum(paths.shown[near].mean(axis=0), _LEAST_SHOWN)
-        share, variance[:, step], bend[step] = _two_lobes(paths, near)
+        share, variance[:, step], bend[step] = _likeliest(paths, near, lobes)
         weight[:, step] = share[:, None] * mean
         return True
 
@@ -89,32 +100,38 @@ def _fit_material(paths: Paths, own: Bools) -> Material:
     return Material(weight.astype(np.float32), variance.astype(np.float32), bend.astype(np.float32))
 
 
-def _two_lobes(paths: Paths, near: Ints) -> tuple[Floats, Floats, float]:
-    """Shares (LOBES,), variances (LOBES,) and the bend that make the paths' directions likeliest."""
+def _likeliest(paths: Paths, near: Ints, lobes: int) -> tuple[Floats, Floats, float]:
+    """Shares (LOBES,), variances (LOBES,) and the bend that make the paths' directions likeliest.
+
+    Of one lobe or two: the share of what is no lobe is 0.
+    """
     bright = paths.weight[near] @ LUMINANCE
     length = np.linalg.norm(paths.end[near], axis=1)
     told = (bright > 1e-6) & (length > END)
     if not told.any():
-        return np.array([1.0, 0.0]), np.array([0.1, 0.1]), 0.0
+        return _NO_SECOND, np.array([0.1, 0.1]), 0.0
     near, bright = near[told], bright[told] / bright[told].sum()
     up, across = angles(paths.end[near] / length[told, None], paths.axis[near], paths.normal[near])
     bend, width = 0.0, 1.0 if paths.width is None else paths.width[near]
     squared = np.sort((up**2 + across**2) / width / 2)
     least, most = SHARPEST**2, _WIDEST**2
-    variance = np.clip(np.quantile(squared, [0.3, 0.9]), least, most)
-    variance[1] = max(variance[1], 2 * variance[0])
-    share = np.array([0.6, 0.4])
+    variance = np.clip(np.quantile(squared, [0.3, 0.9] if lobes > 1 else [0.5]), least, most)
+    variance[1:] = np.maximum(variance[1:], 2 * variance[0])
+    share = np.array([0.6, 0.4] if lobes > 1 else [1.0])
     for turn in range(_ROUNDS):
         distance = ((up - bend) ** 2 + across**2) / width
         likely = share[:, None] * lobe(distance, variance[:, None])
         likely *= bright / np.maximum(likely.sum(axis=0), 1e-30)
         total = np.maximum(likely.sum(axis=1), 1e-9)
         share = total / total.sum()
+        ends = (likely * (2 / (2 + variance[:, None] * width))).sum(axis=1)  # the plane goes on, the sphere ends
         likely *= 4 / (2 + distance / variance[:, None])
-        variance = np.clip((likely * distance).sum(axis=1) / (2 * total), least, most)
+        variance = np.clip((likely * distance).sum(axis=1) / np.maximum(2 * ends, 1e-9), least, most)
         if turn > _ROUNDS // 8:
             pull = (likely / variance[:, None]).sum(axis=0) / width
             bend = float((pull * up).sum() / max(pull.sum(), 1e-30))
+    if lobes == 1:
+        return _NO_SECOND, variance.repeat(LOBES), bend
     order = np.argsort(variance)
     return share[order], variance[order], bend
 
