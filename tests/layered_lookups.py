@@ -230,6 +230,15 @@ def matt(atlas: LayeredAtlas) -> LayeredAtlas:
     return replace(atlas, materials=tuple(lobes))
 
 
+def of_one_lobe(atlas: LayeredAtlas) -> LayeredAtlas:
+    """Without second lobes."""
+    lobes = (
+        replace(material, weight=material.weight * np.array([1, 0], np.float32)[:, None, None])
+        for material in atlas.materials
+    )
+    return replace(atlas, materials=tuple(lobes))
+
+
 def in_a_room(atlas: LayeredAtlas) -> LayeredAtlas:
     """With every plane that a room may have, and things that are seen from elsewhere than the middle."""
     rng = np.random.default_rng(12)
@@ -260,6 +269,7 @@ CASES: dict[str, Callable[[LayeredAtlas], LayeredAtlas]] = {
     "clear": clear,
     "bare": bare,
     "matt": matt,
+    "one lobe": of_one_lobe,
     "room": in_a_room,
 }
 

@@ -27,7 +27,7 @@ from radtex_addon.forms.layered.preview.osl import add_layered_osl_node
 from radtex_addon.scene.nodes import NodeBuilder, Socket
 from tests.blender.lookup_stage import ENGINES, Inputs, LookupStage, Shader, data_image
 from tests.layered.made_up import made_up_atlas, made_up_fragments
-from tests.layered_lookups import CASES, FACTS, SIZE, TEXELS, in_a_room, off
+from tests.layered_lookups import CASES, FACTS, SIZE, TEXELS, in_a_room, of_one_lobe, off
 from tests.lookups import COUNT, SIDE, Lookups
 
 _RNG = np.random.default_rng(7)
@@ -83,6 +83,7 @@ def unfurnished(room: LayeredAtlas) -> LayeredAtlas:
 GROUPS: dict[str, Callable[[LayeredAtlas], LayeredAtlas]] = {
     "plain": lambda atlas: atlas,
     "bare": bare_group,
+    "one lobe": of_one_lobe,
     "room": lambda atlas: (
         in_a_room(atlas) if bpy.app.version >= (5, 0) else lit_from_inside(in_a_room(atlas))
     ),
@@ -160,7 +161,7 @@ def test_the_curves_are_in_the_blend(plain: LayeredAtlas, tmp_path: Path) -> Non
     assert tuple(image.size) == (16, 12)
 
 
-SHOWN = ("everything", "parted ways", "made up", "things alone", "clear", "bare", "matt", "room")
+SHOWN = ("everything", "parted ways", "made up", "things alone", "clear", "bare", "matt", "one lobe", "room")
 NARROW = "narrow"
 WORST = 1e-3
 MATERIAL = 1

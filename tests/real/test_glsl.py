@@ -414,6 +414,7 @@ def test_a_filter_does_not_follow_ways_that_part(context: moderngl.Context) -> N
         ("things alone", (16, 13, 12, 11)),
         ("bare", (12, 10, 10, 9)),
         ("matt", (6, 5, 5, 5)),
+        ("one lobe", (15, 12, 11, 12)),
     ],
 )
 def test_fetches_are_those_of_the_parts(name: str, counts: tuple[int, ...]) -> None:

@@ -251,6 +251,7 @@ def test_the_layered_layout_agrees_with_the_reference(root: Root, renderer: str)
         "clear",
         "bare",
         "matt",
+        "one lobe",
         "room",
     ]
     asked = {name: layered_jobs(case_of(name), FULL) for name in names}

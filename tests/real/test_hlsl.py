@@ -304,7 +304,14 @@ def packed(values: Values, layout: Mapping[str, int]) -> Floats:
 @pytest.mark.parametrize("compiler", COMPILERS)
 @pytest.mark.parametrize(
     ("name", "defines"),
-    [("everything, in ranges", TOP_DOWN), ("made up", ""), ("bare", ""), ("matt", ""), ("room", "")],
+    [
+        ("everything, in ranges", TOP_DOWN),
+        ("made up", ""),
+        ("bare", ""),
+        ("matt", ""),
+        ("one lobe", ""),
+        ("room", ""),
+    ],
 )
 def test_the_layered_layout_agrees_with_the_reference(
     root: Root, compiler: str, name: str, defines: str

@@ -370,7 +370,17 @@ def packed(values: Values, layout: Mapping[str, int]) -> Floats:
 
 @pytest.mark.parametrize(
     "name",
-    ["everything", "everything, in ranges", "made up", "things alone", "clear", "bare", "matt", "room"],
+    [
+        "everything",
+        "everything, in ranges",
+        "made up",
+        "things alone",
+        "clear",
+        "bare",
+        "matt",
+        "one lobe",
+        "room",
+    ],
 )
 def test_the_layered_layout_agrees_with_the_reference(root: Root, name: str) -> None:
     case = case_of(name)

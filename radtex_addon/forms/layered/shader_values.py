@@ -185,7 +185,7 @@ def definitions(sidecar: LayeredSidecar, cost: LookupCost = DEFAULT) -> dict[str
     found |= {"RADTEX_STEPS": cost.steps, "RADTEX_REST_TAPS": cost.rest_taps}
     if _mirrors(sidecar):
         found |= {"RADTEX_MIRRORS": 1, "RADTEX_OWN_CELLS": sidecar.own_cells}
-        second = cost.second_lobe and any(material.weight[1].any() for material in sidecar.materials)
+        second = cost.second_lobe and sidecar.second_lobes
         found |= {"RADTEX_OWN_TAPS": cost.own_taps, "RADTEX_SECOND_LOBE": int(second)}
     if sidecar.glosses:
         found["RADTEX_GLOSSES"] = 1

@@ -179,6 +179,11 @@ class LayeredSidecar:
         return self.looks or (None,) * len(self.materials)
 
     @property
+    def second_lobes(self) -> bool:
+        """Whether any of the materials has a second lobe."""
+        return any(material.weight[1].any() for material in self.materials)
+
+    @property
     def glosses(self) -> bool:
         """Whether any material has a gloss."""
         return any(material.gloss is not None for material in self.materials)

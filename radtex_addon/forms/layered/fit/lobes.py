@@ -124,7 +124,7 @@ def _likeliest(paths: Paths, near: Ints, lobes: int) -> tuple[Floats, Floats, fl
         likely *= bright / np.maximum(likely.sum(axis=0), 1e-30)
         total = np.maximum(likely.sum(axis=1), 1e-9)
         share = total / total.sum()
-        ends = (likely * (2 / (2 + variance[:, None] * width))).sum(axis=1)  # the plane goes on, the sphere ends
+        ends = (likely * (2 / (2 + variance[:, None] * width))).sum(axis=1)  # where a plane goes on
         likely *= 4 / (2 + distance / variance[:, None])
         variance = np.clip((likely * distance).sum(axis=1) / np.maximum(2 * ends, 1e-9), least, most)
         if turn > _ROUNDS // 8:

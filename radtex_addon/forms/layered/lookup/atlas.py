@@ -186,6 +186,8 @@ def lobes_light(
         bounds = lit if lit is None or isinstance(some, slice) else lit.some(some)
         more = 0 if spread is None else spread[some]
         for one, wide in zip(weight, (variance * width[some] + more).astype(np.float32), strict=True):
+            if not one.any():
+                continue
             yield LobeLight(some, one, wide, around.look(beside, turned, wide, bounds))
 
 

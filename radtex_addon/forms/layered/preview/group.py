@@ -210,7 +210,7 @@ def _mirrored_group(
     around: bpy.types.ShaderNodeTree,
     shaded: Sequence[str],
 ) -> bpy.types.ShaderNodeTree:
-    """What both lobes show of the surroundings and of the object itself; and the rest: Light and Rest.
+    """What lobes show of the surroundings and of the object itself; and the rest: Light and Rest.
 
     The inputs named `shaded` are those of `around_group`.
     """
@@ -243,10 +243,12 @@ def _mirrored_group(
     )
     narrow = ordered(build, narrow, (itself, free))
     (light,) = build.group(lobe, offset, turned, first, narrow, itself, free, *seen)
-    wide = ordered(build, wide, (light,))
-    (more,) = build.group(lobe, offset, turned, second, wide, itself, free, *seen)
-    (left, _) = build.group(rest, _later(build, uv, (more,)), _later(build, place, (more,)))
-    return close_group(build, Light=build.vector("ADD", light, more), Rest=left)
+    if facts.second_lobes:
+        wide = ordered(build, wide, (light,))
+        (more,) = build.group(lobe, offset, turned, second, wide, itself, free, *seen)
+        light = build.vector("ADD", light, more)
+    (left, _) = build.group(rest, _later(build, uv, (light,)), _later(build, place, (light,)))
+    return close_group(build, Light=light, Rest=left)
 
 
 def _lobe_group(
