@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import shutil
 from math import pi
 from pathlib import Path
 from typing import Any
@@ -11,14 +12,16 @@ from typing import Any
 import bpy
 import numpy as np
 import pytest
+from PIL import Image
 
 from radtex_addon.report.gbuffer import eroded
 from radtex_addon.report.metrics import Mask
 from tests.bench.assets import three_scene
 from tests.bench.assets.views import Pictures, rays_of, scene_cameras
+from tests.bench.three_cost.__main__ import OURS, WAYS, timed
 from tests.blender import stage
 from tests.blender.image_stage import NAME, crate, texture_set
-from tests.real.exhibit import Camera, decibels
+from tests.real.exhibit import Camera, Exhibit, decibels
 from tests.real.web import Site
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
@@ -96,3 +99,19 @@ def test_lamps_shine_as_in_blender(web: Site, tmp_path: Path) -> None:
     found = decibels(picture, traced, floor)
     print(f"a lamp and its shadow: {found:.1f} dB")
     assert found > LEAST
+
+
+def test_the_bench_of_costs_draws_the_bake_by_every_material(
+    web: Site, exhibit: Exhibit, tmp_path: Path
+) -> None:
+    shutil.copytree(web.add("layered", exhibit.layered), place := web.folder / "cost")
+    times = timed(web, place, side=48, frames=2, looks=tmp_path)
+    assert [len(found) for found in times.values()] == [2] * len(WAYS)
+    pictures = {}
+    for way in WAYS:
+        with Image.open(tmp_path / f"cost-{way}.png") as image:
+            pictures[way] = np.asarray(image.convert("RGB"), float)
+    covered = [(picture.max(axis=2) > 0).mean() for picture in pictures.values()]
+    print(dict(zip(WAYS, covered, strict=True)))
+    assert min(covered) > 0.3
+    assert all(np.abs(pictures[OURS] - pictures[way]).mean() > 5 for way in WAYS if way != OURS)

@@ -43,23 +43,19 @@ def main() -> None:
     print("|---|" + "---|" * (len(WAYS) + 1))
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        _bundle(folder)
         with programs(folder) as showing:
             site = showing.site
             for number, export in enumerate(asked.folders):
-                place = folder / f"export{number}"
-                shutil.copytree(export, place)
-                for file in ("page.js", "index.html"):
-                    shutil.copyfile(folder / file, place / file)
-                times = _timed(site, place, asked.side, asked.frames, asked.looks)
+                shutil.copytree(export, place := folder / f"export{number}")
+                times = timed(site, place, asked.side, asked.frames, asked.looks)
                 medians = {way: statistics.median(found) for way, found in times.items()}
                 over = medians[OURS] / medians["physical"]
                 row = [str(export), *(f"{medians[way]:.1f}" for way in WAYS), f"{over:.2f}"]
                 print(f"| {' | '.join(row)} |", flush=True)
 
 
-def _bundle(folder: Path) -> None:
-    """Write the page of three.js and the package's sources as they are."""
+def bundle(folder: Path) -> None:
+    """Write the page, of three.js and of the package's sources as they are, beside an export."""
     (folder / "index.html").write_text(HTML, encoding="utf-8")
     install_packages()
     node(
@@ -70,8 +66,9 @@ def _bundle(folder: Path) -> None:
     )
 
 
-def _timed(site: Site, place: Path, side: int, frames: int, looks: Path | None) -> dict[str, list[float]]:
-    """Milliseconds of frames by each way, drawn in turns."""
+def timed(site: Site, place: Path, side: int, frames: int, looks: Path | None) -> dict[str, list[float]]:
+    """Milliseconds of frames by each way, drawn in turns; `place` is an export below the site's folder."""
+    bundle(place)
     (manifest,) = place.glob("*.export.json")
     with site.opened(f"{place.name}/") as shown:
         page = shown.page
