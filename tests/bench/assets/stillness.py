@@ -8,7 +8,8 @@
 Each folder has scene.blend and a bake in bake, as tests.bench.assets leaves them. The web page in Chromium
 (MSAA of its canvas) and three.js's MeshPhysicalMaterial on the same scene (MSAA of 4 samples) are filmed at
 1, 3 and 10 times the distance: the mean PSNR of one frame against the next, where both show the asset. At
-rest: the first frame's PSNR against path tracing. Leaves stillness.json in each folder.
+rest: the first frame's PSNR against path tracing. `--godot` films Godot's renderers, too, whose rims have no
+MSAA here. Leaves stillness.json in each folder.
 """
 
 from __future__ import annotations
@@ -28,6 +29,8 @@ from radtex_addon.report.metrics import Mask, Picture, psnr
 from radtex_addon.textures.export_spec import ExportSpec, Target
 from tests.real.browser import TO_GLTF, Shown, decoded
 from tests.real.exhibit import Camera
+from tests.real.godot import RENDERERS, Shot, imported, pictures
+from tests.real.root import Root
 from tests.real.web import Site
 
 from ..engines.__main__ import programs
@@ -48,26 +51,27 @@ def main() -> None:
     parser.add_argument("folders", type=Path, nargs="+")
     parser.add_argument("--pixels", type=int, default=256)
     parser.add_argument("--ours-alone", action="store_true", help="without three.js's own material")
+    parser.add_argument("--godot", action="store_true", help="Godot's renderers, too")
     asked = parser.parse_args()
     print("| asset | way | at rest, dB | " + " | ".join(f"{times} x, dB" for times in TIMES) + " |")
     print("|---|---|---|---|---|---|")
     for folder in asked.folders:
-        found = _filmed(folder, asked.pixels, alone=asked.ours_alone)
+        found = _filmed(folder, asked.pixels, alone=asked.ours_alone, godot=asked.godot)
         (folder / "stillness.json").write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
         for way, figures in found.items():
             row = [folder.name, way, *(f"{value:.1f}" for value in figures)]
             print(f"| {' | '.join(row)} |", flush=True)
 
 
-def _filmed(folder: Path, pixels: int, *, alone: bool) -> dict[str, list[float]]:
+def _filmed(folder: Path, pixels: int, *, alone: bool, godot: bool) -> dict[str, list[float]]:
     """By way: PSNR at rest, and of one frame against the next at each of TIMES."""
     scene = folder / "scene.blend"
     bpy.ops.wm.open_mainfile(filepath=str(scene))
     camera = scene_cameras(pixels)[0]
     (sidecar,) = find_bakes_of_all(folder / "bake", "shown")
     objects = list(objects_and_frame(sidecar)[0])
-    pictures = Pictures(scene, folder)
-    reference = pictures.traced(camera)
+    views = Pictures(scene, folder)
+    reference = views.traced(camera)
     films = [_film(camera, objects, times) for times in TIMES]
     with programs(folder / "shown") as showing:
         site = showing.site
@@ -75,8 +79,13 @@ def _filmed(folder: Path, pixels: int, *, alone: bool) -> dict[str, list[float]]
         ours, masks = _by_page(site, films, pixels)
         shown = {OURS: ours}
         if not alone:
-            write_page(pictures, objects, site.folder / "three")
+            write_page(views, objects, site.folder / "three")
             shown[THREE] = _by_three(site, films)
+        if godot:
+            project = site.folder / "godot"
+            finished(export_steps(sidecar.path, ExportSpec(Target.GODOT), project, overwrite=True))
+            for renderer in RENDERERS:
+                shown[f"Godot, {renderer}"] = _by_godot(showing.root, project, renderer, films)
     print(object_of(sidecar), flush=True)
     found = {}
     for way, frames in shown.items():
@@ -125,6 +134,12 @@ def _by_three(site: Site, films: list[list[Camera]]) -> list[list[Picture]]:
     with site.opened("three/") as shown:
         shown.page.wait_for_function("'picture' in window")
         return [[_by_physical(shown, camera) for camera in film] for film in films]
+
+
+def _by_godot(root: Root, project: Path, renderer: str, films: list[list[Camera]]) -> list[list[Picture]]:
+    place = imported(root, project)
+    frames = iter(pictures(root, place, renderer, [Shot(camera) for film in films for camera in film]))
+    return [[next(frames) for _ in film] for film in films]
 
 
 def _by_physical(shown: Shown, camera: Camera) -> Picture:
