@@ -6,6 +6,7 @@ Measured by paths through the object alone in an empty, glowing world: they tell
 without the noise of any light. Two lobes of GGX's shape for each step of N.V, by expectation maximisation
 (Dempster et al., 1977; for tails like these Lange, Little and Taylor, "Robust statistical modeling using the
 t distribution", 1989). What is called variance is a lobe's width² (see `lobe`): of such tails there is none.
+On a sphere such a lobe ends, so that its width² is w (1 + w / 2) where a plane's would be w.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ SHARPEST = 0.003  # radians: no lobe is narrower
 _WIDEST = 1.0
 _LEAST_SHOWN = 1e-3
 _NO_SECOND = np.array([1.0, 0.0])  # shares of the light
-LITTLE = 0.01  # of the mean log-likelihood: what a second lobe must tell
+_LITTLE = 0.01  # of the mean log-likelihood: what a second lobe must tell
 _FACING = 13  # the first step of N.V where a surface reflects about as much as along its normal
 _MOST_MET = 1.25  # times as much light, at most, as those paths tell that leave the object
 END = 0.5  # length of a direction: where paths differ too much it is shorter
@@ -73,7 +74,7 @@ def fit_materials(paths: Paths, count: int) -> tuple[Material, ...]:
 def _fit_lobes(paths: Paths, own: Bools) -> Material:
     one, two = (_fit_material(paths, own, lobes) for lobes in (1, LOBES))
     some = paths.some(np.flatnonzero(own))
-    return one if likelihood(two, some) - likelihood(one, some) < LITTLE else two
+    return one if likelihood(two, some) - likelihood(one, some) < _LITTLE else two
 
 
 def _fit_material(paths: Paths, own: Bools, lobes: int) -> Material:
@@ -124,7 +125,7 @@ def _likeliest(paths: Paths, near: Ints, lobes: int) -> tuple[Floats, Floats, fl
         likely *= bright / np.maximum(likely.sum(axis=0), 1e-30)
         total = np.maximum(likely.sum(axis=1), 1e-9)
         share = total / total.sum()
-        ends = (likely * (2 / (2 + variance[:, None] * width))).sum(axis=1)  # where a plane goes on
+        ends = (likely * (2 / (2 + variance[:, None] * width))).sum(axis=1)  # the sphere is no plane
         likely *= 4 / (2 + distance / variance[:, None])
         variance = np.clip((likely * distance).sum(axis=1) / np.maximum(2 * ends, 1e-9), least, most)
         if turn > _ROUNDS // 8:
