@@ -3,10 +3,11 @@
 """The lobes of each material: how much they mirror, how wide, and how far bent, by N.V.
 
 Measured by paths through the object alone in an empty, glowing world: they tell weights and directions
-without the noise of any light. Two lobes of GGX's shape for each step of N.V, by expectation maximisation
+without the noise of any light. Lobes of GGX's shape, for each step of N.V, by expectation maximisation
 (Dempster et al., 1977; for tails like these Lange, Little and Taylor, "Robust statistical modeling using the
 t distribution", 1989). What is called variance is a lobe's width² (see `lobe`): of such tails there is none.
-On a sphere such a lobe ends, so that its width² is w (1 + w / 2) where a plane's would be w.
+A lobe ends on the sphere: over squared chords d from its axis the mean of 2 d / (2 w + d), where w is its
+width², is 2 / (2 + w), not 1 as in the plane.
 """
 
 from __future__ import annotations
