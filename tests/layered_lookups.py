@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache
+from itertools import combinations, product
 
 import numpy as np
 
@@ -319,3 +320,54 @@ def _decoded(layer: str, levels: list[Floats], stored: Stored, shape: tuple[int,
     if layer in CLEAR_ALPHA:
         found[..., 3] = image[..., 3]
     return found
+
+
+# What may be defined of a bake, and what its lookup may cost: shaders/source/radtex_layered.c tells of each.
+_CHOICES: dict[str, tuple[str, ...]] = {
+    "tint": ("", "RADTEX_TINT"),
+    "normal": ("", "RADTEX_NORMAL"),
+    "alpha": ("", "RADTEX_ALPHA"),
+    "lobes": ("", *(f"RADTEX_MIRRORS RADTEX_OWN_CELLS=14 RADTEX_SECOND_LOBE={second}" for second in "01")),
+    "width": ("", "RADTEX_WIDTH"),
+    "gloss": ("", "RADTEX_GLOSSES"),
+    "plane": ("", "RADTEX_PLANE", "RADTEX_PLANE RADTEX_SHELL=6"),
+    "things": ("", "RADTEX_THINGS", "RADTEX_THINGS RADTEX_BOXES=3"),
+    "lamps": ("RADTEX_LAMPS=0", "RADTEX_LAMPS=1", "RADTEX_LAMPS=8"),
+    "cells": ("RADTEX_REST_CELLS=8", "RADTEX_REST_CELLS=14"),
+    "through": ("", "RADTEX_THROUGH RADTEX_EXIT_CELLS=16 RADTEX_EXIT_TAPS=16 RADTEX_THROUGH_CELLS=8"),
+    "images": ("", "RADTEX_IMAGES"),
+    "steps": ("RADTEX_STEPS=0", "RADTEX_STEPS=1", "RADTEX_STEPS=2"),
+    "taps": ("RADTEX_OWN_TAPS=3 RADTEX_REST_TAPS=3", "RADTEX_OWN_TAPS=4 RADTEX_REST_TAPS=4"),
+    "steady": ("", "RADTEX_STEADY=0.16"),
+}
+
+
+@cache
+def variants() -> tuple[str, ...]:
+    """Lines of definitions in which any two choices that go together are made together at least once."""
+    rng, names = np.random.default_rng(1), list(_CHOICES)
+
+    def drawn(fixed: dict[str, str]) -> dict[str, str]:
+        return {name: str(rng.choice(_CHOICES[name])) for name in names} | fixed
+
+    wanted = {
+        ((one, first), (other, second))
+        for one, other in combinations(names, 2)
+        for first, second in product(_CHOICES[one], _CHOICES[other])
+    }
+    wanted = {pair for pair in wanted if _goes(dict(pair))}
+    found = []
+    while wanted:
+        first = dict(min(wanted))
+        tried = [choice for choice in (drawn(first) for _ in range(200)) if _goes(choice)]
+        pairs = [set(combinations(choice.items(), 2)) for choice in tried]
+        best = int(np.argmax([len(wanted & some) for some in pairs]))
+        wanted -= pairs[best]
+        words = " ".join(tried[best].values()).split()
+        found.append("".join(f"#define {word.replace('=', ' ')}\n" for word in words))
+    return tuple(found)
+
+
+def _goes(choice: dict[str, str]) -> bool:
+    """Whether choices go together: there are boxes in rooms alone."""
+    return "BOXES" not in choice.get("things", "") or "SHELL" in choice.get("plane", "SHELL")

@@ -29,7 +29,7 @@ from radtex_addon.forms.layered.shader_values import (
 )
 from tests import transfer_lookups
 from tests.bench.fidelity.layered.conditions import fetches
-from tests.layered_lookups import CASES, Case, assert_agrees, case_of, image_case, off
+from tests.layered_lookups import CASES, Case, assert_agrees, case_of, image_case, off, variants
 from tests.lookups import (
     COUNT,
     LAYOUT,
@@ -403,6 +403,17 @@ def test_a_filter_does_not_follow_ways_that_part(context: moderngl.Context) -> N
     case = case_of("parted ways")
     found = run_layered(context, "GLSL 330", case, replace(FULL, exit_taps=4))
     assert off(found, case.answers()).mean() > 0.03
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_any_two_parts_of_a_bake_compile_together(context: moderngl.Context, version: str) -> None:
+    names = ("radtex_layered", "radtex_layered_through")
+    layered, through = ((SHADERS / f"{name}.glsl").read_text(encoding="utf-8") for name in names)
+    for defines in variants():
+        by_images, clear = "RADTEX_IMAGES" in defines, "RADTEX_THROUGH" in defines
+        code = defines + layered + (through if clear and not by_images else "")
+        compiled(context, VERSIONS[version], code + (BY_IMAGES if by_images else LAYERED)).release()
+    print(f"{len(variants())} variants")
 
 
 @pytest.mark.parametrize(

@@ -30,7 +30,7 @@ from radtex_addon.forms.layered.shader_values import (
     definitions,
     material_values,
 )
-from tests.layered_lookups import Case, ImageCase, assert_agrees, case_of, image_case, off
+from tests.layered_lookups import Case, ImageCase, assert_agrees, case_of, image_case, off, variants
 from tests.lookups import (
     COUNT,
     LAYOUT,
@@ -337,6 +337,28 @@ def test_thrift_changes_little_of_the_layered_layout(root: Root) -> None:
     wrong = off(run_layered(root, "glslang", "", case, DEFAULT), case.answers())
     print(f"as it is by default: mean error {wrong.mean():.1e}")
     assert wrong.mean() < 0.01
+
+
+ANY_LIGHT = """
+float4 main(float4 at : SV_Position, float3 N : NORMAL, float3 V : TEXCOORD0) : SV_Target {
+#ifdef RADTEX_IMAGES
+    float3 light = radtex_layered_images(at.xy, at.yx, at.xyz, N.yzx, N.zxy, N, V);
+#elif defined(RADTEX_THROUGH)
+    float3 light = radtex_layered_through(at.xy, at.xyz, N, V, N.yzx, N.zxy);
+#else
+    float3 light = radtex_layered(at.xy, at.xyz, N, V);
+#endif
+    return float4(light, radtex_alpha(at.xy));
+}
+"""
+
+
+def test_any_two_parts_of_a_bake_compile_together(root: Root) -> None:
+    for defines in variants():
+        clear = "RADTEX_THROUGH" in defines and "RADTEX_IMAGES" not in defines
+        names = ["radtex_layered", *(["radtex_layered_through"] if clear else [])]
+        code = "".join(f'#include "{name}.hlsl"\n' for name in names)
+        compiled(root, "glslang", defines + code + ANY_LIGHT)
 
 
 def test_the_compiler_chooses_registers_in_any_stage(root: Root) -> None:
