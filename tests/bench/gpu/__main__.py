@@ -186,12 +186,17 @@ def _median(values: Floats) -> float:
 def table(figures: dict[str, Any]) -> str:
     """The figures as a table in Markdown: a row for each lookup."""
     objects = figures["objects"]
+    counted = all("fetches_made" in row for each in objects.values() for row in each["lookups"].values())
+    made = " made |" if counted else ""
     rows = [
         _conditions(figures),
         "",
-        "| ms a frame | " + " | ".join(objects) + " | over diffuse | over physically based | fetches "
-        "| made | MB |",
-        "|---" * (len(objects) + 6) + "|",
+        "| ms a frame | "
+        + " | ".join(objects)
+        + " | over diffuse | over physically based | fetches |"
+        + made
+        + " MB |",
+        "|---" * (len(objects) + 5 + counted) + "|",
     ]
     for name in next(iter(objects.values()))["lookups"]:
         found = [each["lookups"][name] for each in objects.values()]
@@ -202,7 +207,7 @@ def table(figures: dict[str, Any]) -> str:
         ]
         cells += [
             _range([one["fetches"] for one in found], "d"),
-            _range([one.get("fetches_made", one["fetches"]) for one in found], ".1f"),
+            *([_range([one["fetches_made"] for one in found], ".1f")] if counted else []),
             _range([one["bytes"] / 1e6 for one in found], ".1f"),
         ]
         rows.append(f"| {name} | " + " | ".join(cells) + " |")
