@@ -273,6 +273,8 @@ CASES: dict[str, Callable[[LayeredAtlas], LayeredAtlas]] = {
     "one lobe": of_one_lobe,
     "room": in_a_room,
 }
+# One of each sort, for languages that take long to compile a case.
+USUAL = tuple(name for name in CASES if name not in ("opaque, in ranges", "parted ways"))
 
 
 def _ways(rng: np.random.Generator, uv: Floats) -> Floats:

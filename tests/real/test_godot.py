@@ -23,7 +23,7 @@ from radtex_addon.forms.layered.shader_values import (
     layers_read,
     material_values,
 )
-from tests.layered_lookups import Case, assert_agrees, case_of
+from tests.layered_lookups import USUAL, Case, assert_agrees, case_of
 from tests.lookups import (
     LAYOUT,
     SIDE,
@@ -243,18 +243,7 @@ def _levels(levels: list[Floats]) -> Image:
 
 @pytest.mark.parametrize("renderer", RENDERERS)
 def test_the_layered_layout_agrees_with_the_reference(root: Root, renderer: str) -> None:
-    names = [
-        "everything",
-        "everything, in ranges",
-        "made up",
-        "things alone",
-        "clear",
-        "bare",
-        "matt",
-        "one lobe",
-        "room",
-    ]
-    asked = {name: layered_jobs(case_of(name), FULL) for name in names}
+    asked = {name: layered_jobs(case_of(name), FULL) for name in USUAL}
     drawn = iter(answers(root, renderer, [job for some in asked.values() for job in some]))
     for name, some in asked.items():
         by_material = [next(drawn) for _ in some]

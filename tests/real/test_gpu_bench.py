@@ -56,9 +56,12 @@ def test_all_rows_are_there(ran: tuple[dict[str, Any], Path]) -> None:
     assert {"diffuse", "physically based", "buckets, nearest", "layered", "layered, one lobe"} <= set(rows[0])
     for each in figures["objects"].values():
         assert each["covered"] > 0.85
-        for row in each["lookups"].values():
+        for name, row in each["lookups"].items():
             assert row["ms"] > 0
             assert row["fetches"] > 0
+            assert row["fetches_made"] > 0
+            if "levels" not in name:  # between two levels both are read
+                assert row["fetches_made"] <= row["fetches"]
             assert row["bytes"] > 0
     assert table(figures).count("\n| ") == 1 + len(rows[0])
 

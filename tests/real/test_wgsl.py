@@ -31,7 +31,7 @@ from radtex_addon.forms.layered.shader_values import (
     definitions,
     material_values,
 )
-from tests.layered_lookups import Case, assert_agrees, case_of, off
+from tests.layered_lookups import USUAL, Case, assert_agrees, case_of, off
 from tests.lookups import (
     COUNT,
     LAYOUT,
@@ -368,20 +368,7 @@ def packed(values: Values, layout: Mapping[str, int]) -> Floats:
     return np.array(buffer_of(values, layout), dtype=np.float32)
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        "everything",
-        "everything, in ranges",
-        "made up",
-        "things alone",
-        "clear",
-        "bare",
-        "matt",
-        "one lobe",
-        "room",
-    ],
-)
+@pytest.mark.parametrize("name", USUAL)
 def test_the_layered_layout_agrees_with_the_reference(root: Root, name: str) -> None:
     case = case_of(name)
     assert_agrees(name, run_layered(root, case, FULL), case)

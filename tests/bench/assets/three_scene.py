@@ -20,7 +20,7 @@ from radtex_addon.core.errors import InputError
 from radtex_addon.report.metrics import Picture
 from tests.real.browser import TO_GLTF, decoded
 from tests.real.exhibit import Camera
-from tests.real.web import Site, install_packages, node
+from tests.real.web import SOURCES, Site, install_packages, node
 
 from .programs import averaged
 from .views import SUBSAMPLES, Pictures, bounds
@@ -70,13 +70,14 @@ def export_scene(folder: Path, *, lamps: bool) -> None:
     )
 
 
-def bundle_page(folder: Path) -> None:
-    """Write the page's index.html and script, with three.js, beside what they show."""
+def bundle_page(folder: Path, page: Path = PAGE) -> None:
+    """Write a page's index.html and script, with three.js and radtex-three, beside what they show."""
     (folder / "index.html").write_text(_HTML, encoding="utf-8")
     install_packages()
     node(
-        *("npx", "esbuild", str(PAGE), "--bundle", "--format=esm", f"--outfile={folder / 'page.js'}"),
-        *("--alias:three=./node_modules/three", "--log-level=error"),
+        *("npx", "esbuild", str(page), "--bundle", "--format=esm", f"--outfile={folder / 'page.js'}"),
+        *("--alias:three=./node_modules/three", "--alias:three/addons=./node_modules/three/examples/jsm"),
+        *(f"--alias:radtex-three={SOURCES / 'src/index.ts'}", "--loader:.glsl=text", "--log-level=error"),
     )
 
 

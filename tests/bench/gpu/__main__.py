@@ -137,7 +137,7 @@ def _of_object(
     lookups = lookups_of(found.context, subject, blocks)
     target = canvas(found.context, size)
     pictures = {name: drawn(lookup.painter, view, target) for name, lookup in lookups.items()}
-    counts = {name: drawn(lookup.counting, view, target) for name, lookup in lookups.items()}
+    counts = {name: drawn(lookup.counting(), view, target) for name, lookup in lookups.items()}
     if out is not None:
         _save(pictures, out / subject.name)
     took = measured(

@@ -4,8 +4,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import moderngl
@@ -71,12 +72,12 @@ vec4 shade() {{ return radtex_slices(slices, n, uv, {_INCIDENCE}); }}"""
 class Lookup:
     """What draws by a lookup, how many fetches its text makes at a fragment, and its textures' bytes.
 
-    `counting` draws in red how many fetches are made, as branches leave some out. `bytes` are those of
-    blocks, which a card holds, `bytes_here` those that this device holds.
+    `counting` makes what draws in red how many fetches are made, as branches leave some out. `bytes` are
+    those of blocks, which a card holds, `bytes_here` those that this device holds.
     """
 
     painter: Painter
-    counting: Painter
+    counting: Callable[[], Painter]
     fetches: int
     bytes: int
     bytes_here: int
@@ -95,12 +96,12 @@ class Lookup:
         """A lookup by the shader `code`; the rest as of `Painter`."""
         samplers = {name: upload.texture for name, upload in textures.items()}
         painter, counting = (
-            Painter(context, model, text, samplers, values, by_material)
+            partial(Painter, context, model, text, samplers, values, by_material)
             for text in (code, _COUNTS + code + _COUNTED)
         )
         uploads = textures.values()
         size, here = sum(each.bytes for each in uploads), sum(each.bytes_here for each in uploads)
-        return cls(painter, counting, fetches, size, here)
+        return cls(painter(), counting, fetches, size, here)
 
 
 @dataclass(frozen=True, eq=False)

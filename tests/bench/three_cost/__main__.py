@@ -19,12 +19,12 @@ import statistics
 import tempfile
 from pathlib import Path
 
-from tests.real.web import SOURCES, Site, install_packages, node
+from tests.real.web import Site
 
+from ..assets.three_scene import bundle_page
 from ..engines.__main__ import programs
 
 PAGE = Path(__file__).parent / "page.js"
-HTML = '<!doctype html><meta charset="utf-8"><body></body><script type="module" src="page.js"></script>'
 OURS = "radtex"
 WAYS = ("basic", "lambert", "standard", "physical", "coated", OURS)
 
@@ -54,21 +54,9 @@ def main() -> None:
                 print(f"| {' | '.join(row)} |", flush=True)
 
 
-def bundle(folder: Path) -> None:
-    """Write the page, of three.js and of the package's sources as they are, beside an export."""
-    (folder / "index.html").write_text(HTML, encoding="utf-8")
-    install_packages()
-    node(
-        *("npx", "esbuild", str(PAGE), "--bundle", "--format=esm", f"--outfile={folder / 'page.js'}"),
-        *("--alias:three=./node_modules/three", "--alias:three/addons=./node_modules/three/examples/jsm"),
-        f"--alias:radtex-three={SOURCES / 'src/index.ts'}",
-        *("--loader:.glsl=text", "--log-level=error"),
-    )
-
-
 def timed(site: Site, place: Path, side: int, frames: int, looks: Path | None) -> dict[str, list[float]]:
     """Milliseconds of frames by each way, drawn in turns; `place` is an export below the site's folder."""
-    bundle(place)
+    bundle_page(place, PAGE)
     (manifest,) = place.glob("*.export.json")
     with site.opened(f"{place.name}/") as shown:
         page = shown.page
