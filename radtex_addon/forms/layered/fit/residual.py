@@ -21,7 +21,9 @@ _STEPS = (1, 2, 4, 8, 14)  # cells along a bucket's side; the last ones are pool
 _COARSE = 2  # of these sides, up to which few of a texel's samples tell enough …
 _THINNED = (5, 7, 11)  # … one in so many, if there are …
 _MANY = 100  # … no fewer
-_DOUBT = 0.7  # times a step's noise: what is no larger is none
+_DOUBT = 0.7  # times a step's noise: where it is no larger, there is none …
+_DOUBT_ALONE = 2.0  # … unless it is larger than this in one bucket
+_CLEAR = 20.0  # times its noise: what is so large, or larger, is as clear as its neighbours need to know
 _COLOURED = 0.25  # of a step's mean square: what it counts for though its luminance is 0
 _PRIOR = 0.02  # of a cell's samples
 BRIGHTEST = 12.0  # times the mean luminance: a sample that is brighter than its model by more is limited
@@ -64,10 +66,8 @@ def fit_rest(
             sums[:, block.buckets] = block.scatter(where, side, columns)
 
         grid.in_blocks(sum_up, len(range(used.shape[1])[each]))
-        step = grid.pool(
-            sums, partial(grid.neighbours.pool, wide=wide), _step(sums, grid.share(wide), share, side > 1)
-        )
-        _add_upsampled(table, step)
+        pooled = partial(grid.neighbours.pool, wide=wide)
+        _add_upsampled(table, grid.pool(sums, pooled, _step(sums, grid, wide, share, side > 1)))
     return table
 
 
@@ -83,25 +83,36 @@ def _samples(count: int, side: int, number: int) -> slice:
 
 
 def _step(
-    sums: Floats, pooled_share: float, share: float, shrunk: bool
+    sums: Floats, grid: BucketGrid, wide: bool, share: float, shrunk: bool
 ) -> Callable[[Floats, Floats], Floats]:
     """How a stage's pooled `sums` (5, B, m) make its step: weight, what is off by it, and squares of that.
 
-    `pooled_share` of a sum's variance is left after pooling; `share` as for `fit_rest`.
+    `wide` as they are pooled, `share` as for `fit_rest`. What is noise tells the neighbourhood, since one
+    bucket's values may be large by chance; but what stands out by far is kept.
     """
     prior = np.float32(_PRIOR * float(sums[0].mean()) + 1e-9)
+    pooled_share = np.float32(grid.share(wide))
 
     def step(_: Floats, pooled: Floats) -> Floats:
         weight = pooled[0] + prior
         found: Floats = pooled[1:4] / weight
         if shrunk:
-            noise = np.float32(pooled_share) * pooled[4] / weight**2
+            noise = pooled_share * pooled[4] / weight**2
             size = np.tensordot(LUMINANCE, found, axes=1) ** 2 + _COLOURED * (found**2).mean(axis=0)
             size -= np.float32(1 - share) * noise
-            found *= np.maximum(0, 1 - np.float32(_DOUBT * share) * noise / np.maximum(size, 1e-12))
+            clear = size / np.maximum(noise, np.float32(1e-12))
+            bounded = np.clip(clear, 0, np.float32(_CLEAR))
+            around, count = grid.neighbours.pool_further(np.stack([bounded, np.ones_like(bounded)]))
+            found *= np.maximum(_kept(around / count, _DOUBT * share), _kept(clear, _DOUBT_ALONE * share))
         return found
 
     return step
+
+
+def _kept(clear: Floats, doubt: float) -> Floats:
+    """The share of values that is no noise, if squares are so many times that: James and Stein (1961)."""
+    found: Floats = np.maximum(0, 1 - np.float32(doubt) / np.maximum(clear, np.float32(1e-6)))
+    return found
 
 
 def _add_upsampled(table: Floats, step: Floats) -> None:
