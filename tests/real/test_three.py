@@ -265,6 +265,18 @@ def test_lamps_add_their_light(web: Site, exhibit: Exhibit, bundled: Path, form:
         assert found >= SAME
 
 
+def test_a_material_without_a_second_lobe_looks_none_up(
+    app: Callable[[str], App], web: Site, exhibit: Exhibit
+) -> None:
+    page = app("layered").shown.page
+    (manifest,) = web.add("layered", exhibit.layered).glob("*.export.json")
+    facts = json.loads(manifest.read_text())["shader"]
+    lobes = [np.array(each["radtex_lobes"]) for each in facts["materials"]]
+    wanted = [bool(each[len(each) // 2 :, :3].any()) for each in lobes]
+    print(wanted, facts["defines"])
+    assert page.evaluate("checks.secondLobes()") == wanted
+
+
 def test_far_triangles_are_drawn_first_and_none_is_lost(packed: Path) -> None:
     script = packed / "far_first.mjs"
     node(

@@ -158,10 +158,11 @@ function layeredParts(
   material: number,
   images?: MaterialImages,
 ): Parts {
-  const told = Object.entries(facts.defines).map(([name, value]) => `#define ${name} ${value}`);
   const through = "RADTEX_THROUGH" in facts.defines;
-  if (stage === "mirror") told.push(`#define RADTEX_MATERIALS ${facts.materials.length}`);
   const own = stage === "mirror" ? ofAll(facts.materials) : (facts.materials[material] ?? {});
+  const defines = stage === "mirror" ? facts.defines : { ...facts.defines, ...ofOneLobe(own) };
+  const told = Object.entries(defines).map(([name, value]) => `#define ${name} ${value}`);
+  if (stage === "mirror") told.push(`#define RADTEX_MATERIALS ${facts.materials.length}`);
   const uniforms: Uniforms = { ...valued(facts.values), ...valued(own) };
   const ofImages = "radtex_images" in own && stage !== "mirror";
   for (const layer of facts.layers) {
@@ -181,6 +182,14 @@ function layeredParts(
   const framed = stage === "bucket" || stage === "probe";
   const lookups = [framed ? bucketLookups : "", layeredLookups, through ? throughLookups : "", layeredLight];
   return [["#define LAYERED", ...told, ...lookups].join("\n"), uniforms];
+}
+
+/** Leaves the second lobe out of the shader of a material that has none, though others of its bake do. */
+function ofOneLobe(material: UniformValues): Record<string, number> {
+  const lobes = (material["radtex_lobes"] ?? []) as number[][];
+  const second = lobes.slice(lobes.length / 2);
+  const weights = second.flatMap((each) => each.slice(0, 3));
+  return lobes.length && weights.every((weight) => weight === 0) ? { RADTEX_SECOND_LOBE: 0 } : {};
 }
 
 /** The values of all materials, one behind the other. */

@@ -68,6 +68,13 @@ function encoded(values) {
 }
 
 window.checks = {
+  // Whether the shaders of the object's materials look a second lobe up, in the order of their numbers.
+  secondLobes: async () => {
+    const { object } = await window.app;
+    const found = [];
+    object.traverse(({ material }) => material && found.push(...[material].flat()));
+    return found.map(({ fragmentShader }) => !fragmentShader.includes("#define RADTEX_SECOND_LOBE 0"));
+  },
   // Load the page's bake once more, itself as a lamp of twice its light beside half of its own.
   addLamp: async () => {
     const { object, scene } = await window.app;

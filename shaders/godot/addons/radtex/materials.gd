@@ -9,6 +9,7 @@ const MIRROR := &"radtex_mirror"  ## Metadata of a bake's material: what mirror.
 const TO_BLENDER := Basis(Vector3(1, 0, 0), Vector3(0, 0, 1), Vector3(0, -1, 0))
 const OF_IMAGES := "radtex_images"  ## A material's values, where it is shown by its own images.
 const REPLACED := ["colour", "tint", "normal"]  ## The layers in whose place these are read.
+const STEPS := 16  ## Of curves over the cosine to the normal: so many rows has each of a material's two lobes.
 const STEADY := 0.16  ## By how much lobes widen where normals spread within a pixel: what moves does not shimmer.
 const TRANSPARENT := "RGBA16F"  ## The only format of light that has alpha.
 
@@ -128,6 +129,8 @@ static func _layered(facts: Dictionary, number: int, textures: Textures) -> Reci
 	var of_images := own.has(OF_IMAGES)
 	_put_layers(recipe, facts, REPLACED if of_images else [])
 	recipe.defines["RADTEX_STEADY"] = STEADY
+	if _is_of_one_lobe(own):
+		recipe.defines["RADTEX_SECOND_LOBE"] = 0
 	if of_images:
 		recipe.defines["RADTEX_IMAGES"] = 1
 	if recipe.defines.has("RADTEX_THROUGH"):
@@ -236,6 +239,12 @@ static func _put_layers(recipe: Recipe, facts: Dictionary, without: Array = []) 
 		if entry.format.ends_with("_SRGB"):  # Godot decodes it of no file that it did not import
 			recipe.defines["RADTEX_SRGB"] = 1
 		recipe.put("radtex_%s_map" % layer, entry)
+
+
+## Whether a material has no second lobe, though others of its bake may have one.
+static func _is_of_one_lobe(material: Dictionary) -> bool:
+	var second: Array = material.get("radtex_lobes", []).slice(STEPS)
+	return second.size() > 0 and second.all(func(row: Array) -> bool: return row.slice(0, 3).max() == 0)
 
 
 ## The values of all materials, one behind the other.
