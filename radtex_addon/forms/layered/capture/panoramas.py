@@ -18,6 +18,7 @@ from mathutils import Euler, Matrix, Vector
 
 from ....core.arrays import Floats, Ints
 from ....core.errors import BakeError
+from ....core.sampler import bilinear
 from ....cycles.building_blocks import render_layers
 from ....cycles.denoiser import can_denoise
 from ....cycles.passes import finite_light
@@ -33,7 +34,8 @@ from ....scene.scratch import find_view_layer, scene_copied
 from ....scene.surfaces import MADE_TO_MESHES
 from ....settings.rays import NEAR_SAMPLES, NEAR_WIDTH, ROOM_SAMPLES, WORLD_WIDTH
 from ..cells import PICTURE_SIZE
-from ..lookup.environment import Impostor, Pictures, Plane, Shell, SurroundingLayer
+from ..lookup.environment import Impostor, Pictures, Plane, SurroundingLayer
+from ..lookup.ray_ends import SAME
 from .room import Room
 
 log = logging.getLogger(__name__)
@@ -49,11 +51,19 @@ _ALL = slice(None)
 _FINE = 0.03  # radians: a lobe this wide still needs pictures of the usual size
 _COARSEST = 0.25  # share of the usual size
 _UP = np.array([0.0, 0.0, 1.0])
-_KEPT = 4  # pictures of rooms, of 6 MB each
+_KEPT = 4  # views of rooms, of 11 MB each
 NO_SURFACE = MADE_TO_MESHES | {"LIGHT", "LIGHT_PROBE", "CAMERA", "SPEAKER", "EMPTY", "ARMATURE", "LATTICE"}
 
 
-_RUNS: list[dict[Hashable, Pictures]] = []  # rooms' pictures in runs of several bakes, by what they depend on
+@dataclass(frozen=True, eq=False)
+class _Seen:
+    """What a room's eye sees in each pixel: `light` (H, W, 4) and the `place` (H, W, 3), in world space."""
+
+    light: Floats
+    place: Floats
+
+
+_RUNS: list[dict[Hashable, _Seen]] = []  # what rooms' eyes see in runs of several bakes, by what tells it
 
 
 @dataclass(frozen=True, eq=False)
@@ -259,7 +269,7 @@ class _Look:
     def at(self, things: Near, room: Room | None) -> tuple[SurroundingLayer | None, int]:
         """The layer of near things, None if nothing is seen of them, and how many paths that took."""
         if things.room is not None:
-            return self._known(things, things.room.shell(self.middle))
+            return self._of_room(things, things.room)
         with self._camera(things, self.radius) as camera:
             if things.plane is not None:
                 plane = _seen_from_above(*things.plane, self.middle, self.radius)
@@ -275,24 +285,40 @@ class _Look:
                 shape = replace(shape, boxes=boxes, shell=shell)
             return SurroundingLayer(pictures, shape), camera.paths
 
-    def _known(self, things: Near, shell: Shell) -> tuple[SurroundingLayer | None, int]:
-        """The layer of a room's `shell`, with the picture of an earlier bake of the scene if there is one."""
-        room = cast(Room, things.room)
+    def _of_room(self, things: Near, room: Room) -> tuple[SurroundingLayer | None, int]:
+        """The layer of what lies on a room's planes.
+
+        Its picture is seen from the room's eye, and is that of an earlier bake of the scene if there is one.
+        What shines there, such as a mirror or a polished floor, looks as it does from the objects' middle.
+        """
+        seen, paths = self._known(things, room)
+        if seen is None:
+            return None, paths
+        light = seen.light
+        if not room.shown:
+            with self._camera(things, self.radius) as camera:
+                light = _as_from(self.middle, _view(camera, self.width, self.middle), seen)
+            paths += camera.paths
+        pictures = Pictures.of(panorama_directions(self.width), light, self.size)
+        return SurroundingLayer(pictures, room.shell(self.middle)), paths
+
+    def _known(self, things: Near, room: Room) -> tuple[_Seen | None, int]:
+        """What a room's eye sees, None if nothing, and how many paths that took."""
         names = sorted(item.name_full for item in things.objects)
-        key = (self.known_as, *names, room.eye.tobytes(), self.seed, self.width, self.size)
+        key = (self.known_as, *names, room.eye.tobytes(), self.seed, self.width)
         kept = _RUNS[-1] if _RUNS and self.known_as else {}
-        pictures = kept.pop(key, None)
-        if pictures is not None:
-            kept[key] = pictures  # the last to be left out
-            return SurroundingLayer(pictures, shell), 0
+        seen = kept.pop(key, None)
+        if seen is not None:
+            kept[key] = seen  # the last to be left out
+            return seen, 0
         with self._camera(things, room.size) as camera:
-            pictures = _room_picture(camera, self.width, room.eye, self.size)
-        if pictures is None:
+            seen = _view(camera, self.width, room.eye)
+        if not seen.light[..., 3].any():
             return None, camera.paths
         while len(kept) >= _KEPT:
             del kept[next(iter(kept))]
-        kept[key] = pictures
-        return SurroundingLayer(pictures, shell), camera.paths
+        kept[key] = seen
+        return seen, camera.paths
 
     @contextmanager
     def _camera(self, things: Near, radius: float) -> Iterator[_Camera]:
@@ -313,11 +339,28 @@ def _plane_layer(camera: _Camera, width: int, plane: Plane, size: int) -> Surrou
     return SurroundingLayer(Pictures.of(*_with_mirror_image(plane, direction, light), size), plane)
 
 
-def _room_picture(camera: _Camera, width: int, eye: Floats, size: int) -> Pictures | None:
-    """The picture of what lies on a room's planes, and beyond them; None if nothing is seen of it."""
+def _view(camera: _Camera, width: int, eye: Floats) -> _Seen:
+    """What is seen of a room's planes, and beyond them, from an eye."""
     camera.place(eye)
-    light = camera.render(width, ROOM_SAMPLES, denoise=True)["Combined"]
-    return Pictures.of(camera.directions(width), light, size) if light[..., 3].any() else None
+    passes = camera.render(width, ROOM_SAMPLES, denoise=True, position=True)
+    return _Seen(passes["Combined"], passes["Position"][..., :3])
+
+
+def _as_from(middle: Floats, own: _Seen, seen: _Seen) -> Floats:
+    """The light (H, W, 4) of all places that are `seen`, as it looks from the `middle` (3,), whence `own` is.
+
+    Where a place is not seen from there, it stays.
+    """
+    light = seen.light.copy()
+    solid = seen.light[..., 3] > _SOLID
+    away = seen.place[solid] - middle
+    distance = np.linalg.norm(away, axis=1)
+    place = panorama_place(away / np.maximum(distance, 1e-9)[:, None])
+    there = bilinear(np.concatenate([own.light, own.place], axis=2), place)
+    same = np.linalg.norm(there[:, 4:] - seen.place[solid], axis=1) < SAME * distance
+    same &= there[:, 3] > _SOLID
+    light[solid] = np.where(same[:, None], there[:, :4], light[solid])
+    return light
 
 
 def _impostor(
@@ -504,6 +547,13 @@ def _settle(scene: bpy.types.Scene, seed: int) -> None:
 def _border(first: int, end: int, count: int) -> tuple[float, float]:
     """Pixels `first` … `end` - 1 of `count` as a border's sides; a quarter of a pixel keeps rounding safe."""
     return (first + 0.25) / count if first else 0.0, min(1.0, (end + 0.25) / count)
+
+
+def panorama_place(direction: Floats) -> Floats:
+    """Where a panorama shows unit directions (N, 3): (N, 2), 0 to 1, from its lower left corner."""
+    x, y, z = direction.T
+    turn, rise = np.arctan2(x, y) / (2 * np.pi) + 0.5, np.arcsin(np.clip(z, -1, 1)) / np.pi + 0.5
+    return np.stack([turn, rise], axis=1)
 
 
 def panorama_directions(width: int) -> Floats:

@@ -39,7 +39,9 @@ _TURNED = 0.998  # cosine between normals of one plane
 _LEAST = 0.015  # share of the hits that a plane needs
 _BEHIND = 0.06  # most hits behind a plane of the room, such as what is seen through windows
 _ENCLOSED = 0.5  # share of the hits that must lie on the planes
-_ON_PLANES = 0.5  # share of an object's area on planes or beyond, from which on it belongs to them
+_ON_PLANES = 0.5  # share of an object's area on planes or beyond, from which on it belongs to them …
+_RISES = 2.0  # … unless it rises so many times that thickness above all planes, as lamps do …
+_BEARS = 0.02  # … and has less than this share of all area on planes, which what makes up a room has
 _BACKS = 0.4  # share of the rays' length: if less than that ends at backs, these are the insides of things
 _DIRECTIONS = 32  # along a side of the octahedron, in which planes are looked for
 _OFF = 2e-6  # of the scene's size, by which rays start off surfaces
@@ -60,9 +62,9 @@ class Room:
     `eye` (3,): inside, whence they are seen. What is no more than `thin` before a plane lies on it.
     `furniture`: the owners of what stands inside and is not on a plane; all other things belong to the
     planes' picture. `size`: the longest side of all that is there. `shown`: the baked objects that are in the
-    pictures, too: all, if some are part of the room itself, such as its floor, and none, if they are
-    furniture alone. `furniture_eye` (3,): whence furniture is seen, None: from the objects' middle. `boxes`:
-    the lowest and highest corner (2, 3) of each piece of furniture.
+    pictures, too: all, if some make up the room, such as its floor, or all lie on its planes, and else none.
+    `furniture_eye` (3,): whence furniture is seen, None: from the objects' middle. `boxes`: the lowest and
+    highest corner (2, 3) of each piece of furniture.
     """
 
     normals: Floats
@@ -123,8 +125,7 @@ def find_room(
     if found is None:
         return None
     normals, heights = found
-    on_planes = things.shares_on(normals, heights, thin)
-    furniture = frozenset(owner for owner, share in on_planes.items() if share < _ON_PLANES)
+    furniture, bearing = things.sorted_by(normals, heights, thin)
     eye = _eye_for_all(things, furniture, normals, heights, thin)
     if eye is None:
         eye = _middle_of(
@@ -133,7 +134,8 @@ def find_room(
     seen = _seen_from(eye, normals, heights)  # others lie behind, such as a wall's outside
     normals, heights = normals[seen], heights[seen]
     boxes = {owner: things.box(owner) for owner in furniture}
-    shown = frozenset[bpy.types.Object]() if furniture.issuperset(subjects) else frozenset(subjects)
+    of_room = bool(bearing.intersection(subjects)) or furniture.isdisjoint(subjects)
+    shown = frozenset(subjects) if of_room else frozenset[bpy.types.Object]()
     room = Room(normals, heights, eye, thin, furniture, shown, None, boxes, things.size)
     own = None if shown else (points.min(axis=0) + points.max(axis=0)) / 2
     seen_furniture = furniture if shown else furniture.difference(subjects)
@@ -171,14 +173,27 @@ class Things:
             corners.reshape(-1, 3), np.arange(3 * len(corners), dtype=np.int32).reshape(-1, 3)
         )
 
-    def shares_on(self, normals: Floats, heights: Floats, thin: float) -> dict[bpy.types.Object, float]:
-        """The share of each owner's area that lies on a plane, or less than `thin` before it, or beyond."""
+    def sorted_by(
+        self, normals: Floats, heights: Floats, thin: float
+    ) -> tuple[frozenset[bpy.types.Object], frozenset[bpy.types.Object]]:
+        """The owners that are furniture, and those that make up the room with planes of these normals (n, 3).
+
+        All others lie on planes: most of their area is on one, less than `thin` before it, or beyond.
+        """
         area = _areas(self.corners)
-        above = (self.corners @ normals.T).max(axis=1) - heights  # (F, n), of the corner that lies highest
-        on = (above < thin).any(axis=1)
-        whole = np.bincount(self.owner, area, len(self.owners))
-        share = np.bincount(self.owner, area * on, len(self.owners)) / np.maximum(whole, 1e-30)
-        return dict(zip(self.owners, share.tolist(), strict=True))
+        above = self.corners @ normals.T - heights  # (F, 3, n)
+        on = (above.max(axis=1) < thin).any(axis=1)
+        count = len(self.owners)
+        whole, lying = np.bincount(self.owner, area, count), np.bincount(self.owner, area * on, count)
+        rise = np.zeros(count)
+        np.maximum.at(rise, self.owner, above.min(axis=2).max(axis=1))
+        bears = lying >= _BEARS * lying.sum()
+        stands = (lying < _ON_PLANES * whole) | ~bears & (rise > _RISES * thin)
+        furniture, bearing = (
+            frozenset(owner for owner, chosen in zip(self.owners, some, strict=True) if chosen)
+            for some in (stands, bears & ~stands)
+        )
+        return furniture, bearing
 
 
 def things_of(shown: Iterator[Shown]) -> Things | None:
