@@ -17,7 +17,8 @@ pytestmark = pytest.mark.one_blender
 ROOT = Path(__file__).resolve().parents[2]
 ADDON = "addons/radtex/"
 UNIFORMS = {
-    f"radtex_{name}" for name in ("mirror", "material", "images", "base_map", "bump_map", "metal_map")
+    f"radtex_{name}"
+    for name in ("mirror", "material", "lobes", "images", "base_map", "bump_map", "metal_map")
 }
 WANTED = {f"{ADDON}{name}" for name in ("plugin.cfg", "plugin.gd", "icon.svg", "README.md", "LICENSE")}
 
