@@ -63,7 +63,7 @@ class _Seen:
     place: Floats
 
 
-_RUNS: list[dict[Hashable, _Seen]] = []  # what rooms' eyes see in runs of several bakes, by what tells it
+_RUNS: list[dict[Hashable, _Seen]] = []  # what rooms' eyes see in runs of bakes, by what it depends on
 
 
 @dataclass(frozen=True, eq=False)

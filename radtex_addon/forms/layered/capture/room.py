@@ -181,7 +181,8 @@ class Things:
         All others lie on planes: most of their area is on one, less than `thin` before it, or beyond.
         """
         area = _areas(self.corners)
-        above = self.corners @ normals.T - heights  # (F, 3, n)
+        above = self.corners @ normals.T  # (F, 3, n), of which there is no second copy
+        above -= heights
         on = (above.max(axis=1) < thin).any(axis=1)
         count = len(self.owners)
         whole, lying = np.bincount(self.owner, area, count), np.bincount(self.owner, area * on, count)

@@ -23,7 +23,7 @@ _THINNED = (5, 7, 11)  # … one in so many, if there are …
 _MANY = 100  # … no fewer
 _DOUBT = 0.7  # times a step's noise: where it is no larger, there is none …
 _DOUBT_ALONE = 2.0  # … unless it is larger than this in one bucket
-_CLEAR = 20.0  # times its noise: what is so large, or larger, is as clear as its neighbours need to know
+_CLEAR = 20.0  # times its noise: the most that a bucket's mean square counts among its neighbours'
 _COLOURED = 0.25  # of a step's mean square: what it counts for though its luminance is 0
 _PRIOR = 0.02  # of a cell's samples
 BRIGHTEST = 12.0  # times the mean luminance: a sample that is brighter than its model by more is limited
@@ -87,7 +87,7 @@ def _step(
 ) -> Callable[[Floats, Floats], Floats]:
     """How a stage's pooled `sums` (5, B, m) make its step: weight, what is off by it, and squares of that.
 
-    `wide` as they are pooled, `share` as for `fit_rest`. What is noise tells the neighbourhood, since one
+    `wide` as they are pooled, `share` as for `fit_rest`. The buckets around tell what is noise, since one
     bucket's values may be large by chance; but what stands out by far is kept.
     """
     prior = np.float32(_PRIOR * float(sums[0].mean()) + 1e-9)
