@@ -338,6 +338,16 @@ float radtex_reached(float along, float squared, float distance, vec4 span) {
     float reach = radtex_reach(along, squared, distance);
     return reach > span.z + 0.12 * distance ? span.w : clamp(reach, span.y, span.z);
 }
+
+// The same for a ray that passes behind the side of a thing that its eye sees: one that is met only where it enters or
+// leaves its box meets it in the middle of its way through it if that lies behind such a side, by no more than that way.
+float radtex_behind(vec3 offset, vec3 ray, float reach, vec4 span) {
+    if (span.y >= span.z || (reach > span.y && reach != span.z)) return reach;
+    float middle = 0.5 * (span.y + span.z);
+    vec3 reached = offset + middle * ray;
+    float length_ = length(reached), distance = radtex_distance(reached);
+    return length_ >= 0.98 * distance && length_ - distance <= span.z - span.y ? middle : reach;
+}
 #endif
 
 // Where a ray meets things, from their eye, and log2 of how much a lobe's width² is larger as seen from there. In a room
@@ -354,12 +364,13 @@ vec4 radtex_met(vec3 from, vec3 ray) {
 #if RADTEX_STEPS > 0
     float distance = radtex_distance(met);
     reach = radtex_reached(along, squared, distance, span);
-    met = offset + reach * ray;
 #if RADTEX_STEPS > 1
+    met = offset + reach * ray;
     distance = radtex_distance(met);
     reach = radtex_reached(along, squared, distance, span);
-    met = offset + reach * ray;
 #endif
+    reach = radtex_behind(offset, ray, reach, span);
+    met = offset + reach * ray;
     float scale = inversesqrt(max(dot(met, met), 1e-12));
     met *= scale;
     if (reach >= span.w) {

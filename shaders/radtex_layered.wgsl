@@ -290,6 +290,17 @@ fn radtex_reached(along: f32, squared: f32, distance: f32, span: vec4f) -> f32 {
     return select(clamp(reach, span.y, span.z), span.w, reach > span.z + 0.12 * distance);
 }
 
+// The same for a ray that passes behind the side of a thing that its eye sees: one that is met only where it enters or
+// leaves its box meets it in the middle of its way through it if that lies behind such a side, by no more than that way.
+fn radtex_behind(offset: vec3f, ray: vec3f, reach: f32, span: vec4f) -> f32 {
+    if span.y >= span.z || (reach > span.y && reach != span.z) { return reach; }
+    let middle = 0.5 * (span.y + span.z);
+    let reached = offset + middle * ray;
+    let length_ = length(reached);
+    let distance = radtex_distance(reached);
+    return select(reach, middle, length_ >= 0.98 * distance && length_ - distance <= span.z - span.y);
+}
+
 // Where a ray meets things, from their eye, and log2 of how much a lobe's width² is larger as seen from there. In a room
 // the length is 1, or of a ray that passes between things, 1 and how far aside of it lies what is seen there, as the squared
 // sine of the angle.
@@ -307,12 +318,13 @@ fn radtex_met(whence: vec3f, ray: vec3f) -> vec4f {
             if RADTEX_STEPS > 0 {
                 var distance = radtex_distance(met);
                 reach = radtex_reached(along, squared, distance, span);
-                met = offset + reach * ray;
                 if RADTEX_STEPS > 1 {
+                    met = offset + reach * ray;
                     distance = radtex_distance(met);
                     reach = radtex_reached(along, squared, distance, span);
-                    met = offset + reach * ray;
                 }
+                reach = radtex_behind(offset, ray, reach, span);
+                met = offset + reach * ray;
                 let scale = inverseSqrt(max(dot(met, met), 1e-12));
                 met *= scale;
                 if reach >= span.w {

@@ -34,6 +34,9 @@ LEAST_FACING = 0.1  # cosine between a normal and the way to a lamp
 KNOWN = 50.0  # one over the diffuse colour from which on irradiance is known
 BRIGHTER = 1e6  # than any sun
 FARTHEST = 1e6  # how far away a ray meets a shell that it leaves
+SOLID = 0.98  # of a thing's distance: what is further away is not before it
+
+_Bounds = tuple[Floats, Floats, Floats]  # where rays enter and leave a box, and meet the shell: (N,) each
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,7 +197,7 @@ class Impostor:
     Szirmay-Kalos et al., "Approximate Ray-Tracing on the GPU with Distance Impostors" (2005).
     In a room, things lie in `boxes` (n, 2, 3), their lowest and highest corners from the middle, at most
     MOST_BOXES: a ray begins where it comes to the nearest box. One that comes to none passes between them to
-    the `shell`.
+    the `shell`. A thing is solid behind what the eye sees of it: see `_behind`.
     """
 
     nearness: Floats
@@ -220,23 +223,46 @@ class Impostor:
         along = (offset * axis).sum(axis=0)
         squared = (offset * offset).sum(axis=0)
         met, cover = begin, np.ones_like(variance)
-        ratio = far = distance = np.ones_like(along)
+        far: Floats = np.ones_like(along)
+        length = distance = far
         for _ in range(STEPS):
-            distance = 1 / np.maximum(self._maps.look(direction_to_octahedron(met.T).T, 0)[0], 1e-9)
+            distance = self._distance(met)
             far = np.sqrt(np.maximum(along * along - squared + distance * distance, 0)) - along
             if bounds is not None:
                 enter, leave, wall = bounds
                 far = np.where(far > leave + BEYOND * distance, wall, np.clip(far, enter, leave))
-            reached = offset + far * axis
-            length = np.maximum(np.linalg.norm(reached, axis=0), 1e-6)
-            met, ratio = reached / length, far / length
+            met, length = _towards(offset + far * axis)
         if bounds is not None:
+            far = self._behind(offset, axis, far, bounds)
+            met, length = _towards(offset + far * axis)
             past = far >= bounds[2]
             cover[past] = _near_lobe(distance * met - offset, axis, variance)[past]
-        wider = np.clip(ratio, _LEAST_RATIO, _MOST_RATIO) ** 2
-        return met.T, wider, cover.astype(np.float32)
+        ratio = np.clip(far / length, _LEAST_RATIO, _MOST_RATIO)
+        return met.T, cast(Floats, ratio * ratio), cover.astype(np.float32)
 
-    def _begin(self, offset: Floats, axis: Floats) -> tuple[Floats, tuple[Floats, Floats, Floats] | None]:
+    def _behind(self, offset: Floats, axis: Floats, far: Floats, bounds: _Bounds) -> Floats:
+        """How far along rays are met, (N,), that pass behind the side of a thing that the eye sees.
+
+        Of rays from offsets (3, N) from the eye along axes (3, N), which were found to be met `far` along.
+        One that is met only where it enters or leaves its box has met no side that is seen. Where the middle
+        of its way through the box lies behind such a side, by no more than that way, it is met there.
+        """
+        enter, leave, _ = bounds
+        at_bound = np.flatnonzero(((far <= enter) | (far == leave)) & (enter < leave))
+        way = (leave - enter)[at_bound]
+        middle = enter[at_bound] + way / 2
+        met, length = _towards(offset[:, at_bound] + middle * axis[:, at_bound])
+        distance = self._distance(met)
+        inside = (length >= SOLID * distance) & (length - distance <= way)
+        far[at_bound[inside]] = middle[inside]
+        return far
+
+    def _distance(self, direction: Floats) -> Floats:
+        """How far from the eye things lie in directions (3, N): (N,)."""
+        near = self._maps.look(direction_to_octahedron(direction.T).T, 0)[0]
+        return cast(Floats, 1 / np.maximum(near, 1e-9))
+
+    def _begin(self, offset: Floats, axis: Floats) -> tuple[Floats, _Bounds | None]:
         """Where rays from offsets (3, N) along axes (3, N) begin, as unit directions from the eye (3, N).
 
         And where they enter and leave the nearest box, and meet the shell: what lies further than the box is
@@ -255,17 +281,21 @@ class Impostor:
             nearer = (first <= last) & (last > 0) & (start < begin)
             begin = np.where(nearer, start, begin)
             enter, leave = np.where(nearer, np.maximum(first, 0), enter), np.where(nearer, last, leave)
-        met = offset + begin * axis - self.eye[:, None]
-        return met / np.maximum(np.linalg.norm(met, axis=0), 1e-6), (enter, leave, wall)
+        return _towards(offset + begin * axis - self.eye[:, None])[0], (enter, leave, wall)
 
     def seen_at(self, direction: Floats) -> Floats:
         """As `Plane.seen_at`."""
-        near = self._maps.look(direction_to_octahedron(direction).T, 0)[0]
-        return cast(Floats, self.eye + direction / np.maximum(near, 1e-9)[:, None])
+        return cast(Floats, self.eye + direction * self._distance(direction.T)[:, None])
 
     @cached_property
     def _maps(self) -> LevelMaps:
         return LevelMaps.of([self.nearness[..., None]])
+
+
+def _towards(place: Floats) -> tuple[Floats, Floats]:
+    """The unit directions (3, N) to places (3, N), and how far these are: (N,)."""
+    length = np.maximum(np.linalg.norm(place, axis=0), 1e-6)
+    return place / length, length
 
 
 def _near_lobe(away: Floats, axis: Floats, variance: Floats) -> Floats:

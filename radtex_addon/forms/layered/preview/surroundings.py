@@ -23,6 +23,7 @@ from ..lookup.environment import (
     NEAR_LOBE,
     SHADED,
     SMALLEST,
+    SOLID,
     STEPS,
     Lamp,
     Plane,
@@ -33,6 +34,7 @@ from .images import constant, ordered
 _LEAST = 1e-12  # width²
 _LEAST_RATIO, _MOST_RATIO = 1 / 16, 4.0  # as in lookup.environment
 _PARALLEL, _STEEPEST = 1e-4, 0.999
+_STILL = 1e-6  # of lengths that are alike
 
 _Images = Mapping[str, bpy.types.Image]
 
@@ -305,8 +307,7 @@ def _things_group(
     met = _late(build, first, along)
     ratio = cover = far = distance = build.value(1.0)
     for _ in range(STEPS):
-        (near,) = build.group(nearness, met)
-        distance = build.math("DIVIDE", 1.0, build.math("MAXIMUM", near, 1e-9))
+        distance = _distance(build, nearness, met)
         root = build.math("MAXIMUM", build.math("MULTIPLY_ADD", distance, distance, beyond), 0.0)
         far = build.math("SUBTRACT", build.math("SQRT", root), along)
         if span is not None:
@@ -319,11 +320,49 @@ def _things_group(
         met = build.vector("SCALE", reached, build.math("DIVIDE", 1.0, length))
         ratio = build.math("DIVIDE", far, length)
     if span is not None:
+        met, ratio, far = _behind(build, nearness, (offset, axis), (met, ratio, far), span)
         away = build.vector("SUBTRACT", build.vector("SCALE", met, distance), offset)
         past = build.math("SUBTRACT", 1.0, build.math("LESS_THAN", far, span[3]))
         cover = build.mix(past, cover, _near_lobe(build, away, axis, spread), "FLOAT")
     ratio = build.math("MINIMUM", build.math("MAXIMUM", ratio, _LEAST_RATIO), _MOST_RATIO)
     return close_group(build, Direction=met, Wider=build.math("MULTIPLY", ratio, ratio), Cover=cover)
+
+
+def _distance(build: NodeBuilder, nearness: bpy.types.ShaderNodeTree, direction: Socket) -> Socket:
+    """How far from the eye things lie in a direction."""
+    (near,) = build.group(nearness, direction)
+    return build.math("DIVIDE", 1.0, build.math("MAXIMUM", near, 1e-9))
+
+
+def _behind(
+    build: NodeBuilder,
+    nearness: bpy.types.ShaderNodeTree,
+    ray: tuple[Socket, Socket],
+    found: tuple[Socket, Socket, Socket],
+    span: tuple[Socket, Socket, Socket, Socket],
+) -> tuple[Socket, Socket, Socket]:
+    """`Impostor._behind` of a ray's offset from the eye and axis, and of what `found`."""
+    (offset, axis), (met, ratio, far), (_, enter, leave, _) = ray, found, span
+    way = build.math("SUBTRACT", leave, enter)
+    middle = build.math("MULTIPLY_ADD", way, 0.5, enter)
+    reached = build.vector("ADD", offset, build.vector("SCALE", axis, middle))
+    length = build.math("MAXIMUM", build.vector("LENGTH", reached), 1e-6)
+    distance = _distance(build, nearness, reached)
+    behind = build.math("SUBTRACT", length, distance)
+    conditions = (
+        build.math("GREATER_THAN", way, _STILL),
+        build.math(
+            "MAXIMUM", build.math("COMPARE", far, enter, _STILL), build.math("COMPARE", far, leave, _STILL)
+        ),
+        build.math("LESS_THAN", build.math("MULTIPLY", distance, SOLID), length),
+        build.math("LESS_THAN", behind, way),
+    )
+    inside = conditions[0]
+    for condition in conditions[1:]:
+        inside = build.math("MULTIPLY", inside, condition)
+    met = build.mix(inside, met, build.vector("SCALE", reached, build.math("DIVIDE", 1.0, length)))
+    ratio = build.mix(inside, ratio, build.math("DIVIDE", middle, length), "FLOAT")
+    return met, ratio, build.mix(inside, far, middle, "FLOAT")
 
 
 def _near_lobe(build: NodeBuilder, away: Socket, axis: Socket, variance: Socket) -> Socket:
