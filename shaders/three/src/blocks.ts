@@ -11,17 +11,16 @@ const UNPACKED: Partial<Record<PixelFormat, PixelFormat>> = {
   BC3: "RGBA8",
   BC3_SRGB: "SRGB8_A8",
   BC4: "RGBA8",
-  BC6H: "RGBA16F",
+  BC6H: "RGB9E5",
   BC7: "RGBA8",
   BC7_SRGB: "SRGB8_A8",
 };
 
 const SIDE = 4;
 const WEIGHTS = [0, 4, 9, 13, 17, 21, 26, 30, 34, 38, 43, 47, 51, 55, 60, 64];
-const ONE = 0x3c00; // 1 as a half float
 
-/** Sixteen pixels of four numbers each, of the block that begins at `at`. */
-type Decoder = (bytes: DataView, at: number, pixels: Uint16Array) => void;
+/** Sixteen pixels of four bytes each, of the block that begins at `at`. */
+type Decoder = (bytes: DataView, at: number, pixels: Uint8Array) => void;
 
 /** The same picture in pixels, or as it is where its format has no blocks. */
 export function withoutBlocks(packed: Pixels): Pixels {
@@ -32,12 +31,12 @@ export function withoutBlocks(packed: Pixels): Pixels {
   const levels = packed.levels.map((level, number) => {
     const [width, height] = levelSize(packed.size, number);
     const [values, size] = [4 * width * height, level.byteLength / layers];
-    const image = new (format === "RGBA16F" ? Uint16Array : Uint8Array)(values * layers);
+    const image = new Uint8Array(values * layers);
     for (let layer = 0; layer < layers; layer++) {
       const from = level.subarray(layer * size, (layer + 1) * size);
       unpackLevel(from, decode, image.subarray(layer * values, (layer + 1) * values), width, height);
     }
-    return new Uint8Array(image.buffer);
+    return image;
   });
   return { ...packed, format, levels };
 }
@@ -45,7 +44,7 @@ export function withoutBlocks(packed: Pixels): Pixels {
 function unpackLevel(
   level: Uint8Array,
   decode: Decoder,
-  image: Uint8Array | Uint16Array,
+  image: Uint8Array,
   width: number,
   height: number,
 ): void {
@@ -53,7 +52,7 @@ function unpackLevel(
   const rows = Math.ceil(height / SIDE);
   const bytes = new DataView(level.buffer, level.byteOffset, level.byteLength);
   const size = level.byteLength / (columns * rows);
-  const block = new Uint16Array(4 * SIDE * SIDE);
+  const block = new Uint8Array(4 * SIDE * SIDE);
   for (let row = 0; row < rows; row++) {
     for (let column = 0; column < columns; column++) {
       decode(bytes, (row * columns + column) * size, block);
@@ -102,17 +101,32 @@ const bc6h: Decoder = (bytes, at, pixels) => {
     const code = bits(bytes, at, 5 + 10 * field, 10);
     return code === 0 ? 0 : code === 1023 ? 65535 : 64 * code + 32;
   });
+  const half = (channel: number, along: number): number =>
+    (between(ends[channel] as number, ends[3 + channel] as number, along) * 31) >> 6;
   for (let pixel = 0; pixel < 16; pixel++) {
     const along = weight(bytes, at, pixel);
-    for (let channel = 0; channel < 3; channel++) {
-      pixels[4 * pixel + channel] = (between(ends[channel] as number, ends[3 + channel] as number, along) * 31) >> 6;
-    }
-    pixels[4 * pixel + 3] = ONE;
+    sharedExponent(half(0, along), half(1, along), half(2, along), pixels, 4 * pixel);
   }
 };
 
+/** Three half floats of no sign, as their bits, with one exponent for all: four bytes of RGB9E5 from `place` on. */
+function sharedExponent(red: number, green: number, blue: number, pixels: Uint8Array, place: number): void {
+  const most = Math.max(red, green, blue);
+  let exponent = most < 1024 ? (most < 512 ? -16 : -15) : (most >> 10) - 15; // of two, the greatest's
+  if (Math.round(valueOf(most) * 2 ** (8 - exponent)) > 511 && exponent < 15) exponent++;
+  const rounded = (half: number): number => Math.min(Math.round(valueOf(half) * 2 ** (8 - exponent)), 511);
+  const packed = rounded(red) | (rounded(green) << 9) | (rounded(blue) << 18) | ((exponent + 16) << 27);
+  for (let byte = 0; byte < 4; byte++) pixels[place + byte] = packed >>> (8 * byte);
+}
+
+/** A half float's value, of its bits. */
+function valueOf(half: number): number {
+  const power = half >> 10;
+  return power === 0 ? half * 2 ** -24 : (1024 + (half & 1023)) * 2 ** (power - 25);
+}
+
 /** One channel, as BC4 has it and BC3 has its alpha, into the pixels from number `first` on. */
-function single(bytes: DataView, at: number, pixels: Uint16Array, first: number): void {
+function single(bytes: DataView, at: number, pixels: Uint8Array, first: number): void {
   const one = bytes.getUint8(at);
   const two = bytes.getUint8(at + 1);
   const steps = one > two ? 7 : 5;
