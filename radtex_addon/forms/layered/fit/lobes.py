@@ -30,7 +30,8 @@ SHARPEST = 0.003  # radians: no lobe is narrower
 _WIDEST = 1.0
 _LEAST_SHOWN = 1e-3
 _NO_SECOND = np.array([1.0, 0.0])  # shares of the light
-_LITTLE = 0.005  # of the mean log-likelihood: what a second lobe must tell
+_LITTLE, _MORE = 0.005, 0.02  # of the mean log-likelihood: what a second lobe must tell, and …
+_WIDER = 1.5  # … where one lobe has less than so many times the variance of the stronger of two
 _FACING = 13  # the first step of N.V where a surface reflects about as much as along its normal
 _MOST_MET = 1.25  # times as much light, at most, as those paths tell that leave the object
 END = 0.5  # length of a direction: where paths differ too much it is shorter
@@ -67,7 +68,8 @@ class Paths:
 def fit_materials(paths: Paths, count: int) -> tuple[Material, ...]:
     """The lobes of so many materials; those without paths mirror nothing.
 
-    A material has one lobe, the weight of the second being 0, where two tell hardly more of its paths.
+    A material has one lobe, the weight of the second being 0, where two tell hardly more of its paths,
+    or little more and one is hardly wider than the stronger of two.
     """
     return tuple(_fit_lobes(paths, paths.material == number) for number in range(count))
 
@@ -75,7 +77,9 @@ def fit_materials(paths: Paths, count: int) -> tuple[Material, ...]:
 def _fit_lobes(paths: Paths, own: Bools) -> Material:
     one, two = (_fit_material(paths, own, lobes) for lobes in (1, LOBES))
     some = paths.some(np.flatnonzero(own))
-    return one if likelihood(two, some) - likelihood(one, some) < _LITTLE else two
+    stronger = two.weight[:, _FACING].sum(axis=1).argmax()
+    alike = one.variance[0, _FACING] < _WIDER * two.variance[stronger, _FACING]
+    return one if likelihood(two, some) - likelihood(one, some) < (_MORE if alike else _LITTLE) else two
 
 
 def _fit_material(paths: Paths, own: Bools, lobes: int) -> Material:
