@@ -290,10 +290,11 @@ fn radtex_reached(along: f32, squared: f32, distance: f32, span: vec4f) -> f32 {
     return select(clamp(reach, span.y, span.z), span.w, reach > span.z + 0.12 * distance);
 }
 
-// The same for a ray that passes behind the side of a thing that its eye sees: one that is met only where it enters or
-// leaves its box meets it in the middle of its way through it if that lies behind such a side, by no more than that way.
+// The same for a ray that passes behind the side of a thing that its eye sees: one that meets nothing between where it
+// enters and leaves its box meets it in the middle of its way through it if that lies behind such a side, by no more than
+// that way.
 fn radtex_behind(offset: vec3f, ray: vec3f, reach: f32, span: vec4f) -> f32 {
-    if span.y >= span.z || (reach > span.y && reach != span.z) { return reach; }
+    if span.y >= span.z || (reach > span.y && reach < span.z) { return reach; }
     let middle = 0.5 * (span.y + span.z);
     let reached = offset + middle * ray;
     let length_ = length(reached);

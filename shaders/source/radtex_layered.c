@@ -624,10 +624,11 @@ float radtex_reached(float along, float squared, float distance, vec4 span) {
     return reach > span.z + 0.12 * distance ? span.w : clamp(reach, span.y, span.z);
 }
 
-// The same for a ray that passes behind the side of a thing that its eye sees: one that is met only where it enters or
-// leaves its box meets it in the middle of its way through it if that lies behind such a side, by no more than that way.
+// The same for a ray that passes behind the side of a thing that its eye sees: one that meets nothing between where it
+// enters and leaves its box meets it in the middle of its way through it if that lies behind such a side, by no more than
+// that way.
 float radtex_behind(vec3 offset, vec3 ray, float reach, vec4 span) {
-    if (span.y >= span.z || (reach > span.y && reach != span.z)) return reach;
+    if (span.y >= span.z || (reach > span.y && reach < span.z)) return reach;
     float middle = 0.5 * (span.y + span.z);
     vec3 reached = offset + middle * ray;
     float length_ = length(reached), distance = radtex_distance(reached);

@@ -4,7 +4,9 @@
 
 One more render asks where the mirror rays end among all that is not baked. A ray is misled where the layers
 show another place, nothing where there is something, or something where there is nothing, unless that has the
-same colour. What the pictures do not know of the places where misled rays end, single paths tell.
+same colour. Single paths tell what the pictures do not know of the places where misled rays end, such as the
+side of a thing that its eye does not see. Where those that end near each other bring on average what the
+layers show a ray that ends there, it is not misled.
 
 Where something without faces is mirrored, such as hair, points or a volume object, no ray counts as misled,
 since none tells where that is. Rays that meet the object itself in this render count as shown right: through
@@ -35,7 +37,7 @@ from ....scene.nodes import open_material
 from ....scene.scratch import scene_copied
 from ....settings.kinds import Kind
 from ..lookup.environment import Around, Shell
-from ..lookup.ray_ends import SAME, light_of, shown_ends
+from ..lookup.ray_ends import SAME, SHARP, light_of, shown_ends
 from .own_rays import dark_world, light_along, own_aim
 from .panoramas import NO_SURFACE
 from .source_rays import shows_place
@@ -45,6 +47,8 @@ _ALIKE = 0.15  # of the brighter one: colours that differ by less are the same �
 _DARK = 0.02  # … and of the mean brightness
 _JUDGED = 2e-3  # width², radians², of what colours are compared of
 _BODY = 0.25  # what the baked objects emit; places emit 1 or more, the world nothing
+_CUBES = 64  # along the longest side of all places that no picture knows
+_ENOUGH = 8  # paths that end in a cube, from which on their mean counts
 _NEAREST = 1e-2  # of the largest distance of the object's points from their middle, and …
 _EXACT = 1e-6  # … of the scene's size: places that are closer to each other are one
 _GOLDEN = 0.6180339887498949
@@ -88,18 +92,51 @@ def find_misled(
     with scene_copied(scratch) as copy:
         for some, ends in _ends(copy, unseen, others, plan, seed, folder):
             found += judge.judged(some, ends)
-    rays, place, known, shown = (np.concatenate(parts) for parts in zip(*found, strict=True))
+    rays, place, known, told, shown = (np.concatenate(parts) for parts in zip(*found, strict=True))
     if faceless:
-        rays, place, known = np.zeros_like(rays), place[:0], known[:0]
+        rays, place, known, told = np.zeros_like(rays), place[:0], known[:0], told[:0]
     if rays.mean() < _FEW and not shown.any():
         return None
     light = np.full(place.shape, np.nan, dtype=np.float32)
-    traced = _spread(len(rays), min(1.0, most / rays.shape[1]))[np.nonzero(rays)[0]] & ~known
+    traced = _traced(rays, ~known, most)
     if traced.any():
         with scene_copied(scratch) as copy:
             along = light_along(copy, plan, own_aim(plan, seed), rays, traced, seed, folder)
         light[traced] = along[traced]
+        nearby = _mean_nearby(place[~known], light[~known], traced[~known])
+        misled = known.copy()
+        misled[~known] = ~judge.alike(told[~known].T, nearby.T)
+        rays[rays] = misled
+        place, light = place[misled], light[misled]
     return Misled(rays, place, light, shown)
+
+
+def _traced(rays: Bools, asked: Bools, most: int) -> Bools:
+    """Which of the M `rays` (K, S) are traced, (M,): those `asked` (M,), of texels evenly spread.
+
+    At most so many a texel as `most`, on average of all texels.
+    """
+    traced = np.zeros(len(asked), dtype=bool)
+    texels, number = np.unique(np.nonzero(rays)[0][asked], return_inverse=True)
+    share = most * len(rays) / max(rays.shape[1] * len(texels), 1)
+    traced[asked] = _spread(len(texels), min(1.0, share))[number]
+    return traced
+
+
+def _mean_nearby(place: Floats, light: Floats, traced: Bools) -> Floats:
+    """The mean `light` of the `traced` paths (M,) that end in the same small cube as places (M, 3): (M, 3).
+
+    NaN where there are few.
+    """
+    low = place.min(axis=0)
+    side = max(float((place - low).max()), 1e-9) / _CUBES
+    cube = ((place - low) / side).astype(np.int64)
+    _, number = np.unique(cube @ np.array([1, _CUBES + 1, (_CUBES + 1) ** 2]), return_inverse=True)
+    count = np.bincount(number, traced)
+    total = np.stack([np.bincount(number[traced], part, len(count)) for part in light[traced].T], axis=1)
+    mean = total / np.maximum(count, 1)[:, None]
+    mean[count < _ENOUGH] = np.nan
+    return cast(Floats, mean[number].astype(np.float32))
 
 
 def _others(shown: Iterator[Shown], unseen: Collection[bpy.types.Object]) -> tuple[list[Placed], bool]:
@@ -179,6 +216,9 @@ def _box(others: Sequence[Placed]) -> tuple[Floats, float]:
     return low, max(float((high - low).max()), 1e-9)
 
 
+_Found = tuple[Bools, Floats, Bools, Floats, Bools]  # see `_Judge._judged`
+
+
 @dataclass(frozen=True, eq=False)
 class _Judge:
     """Finds the misled among the `plan`'s rays, at bucket coordinates `square` (K, S, 2)."""
@@ -188,18 +228,19 @@ class _Judge:
     square: Floats
     hit: Bools
 
-    def judged(self, some: slice, ends: _Ends) -> list[tuple[Bools, Floats, Bools, Bools]]:
+    def judged(self, some: slice, ends: _Ends) -> list[_Found]:
         """What `_judged` finds of some texels, block by block."""
 
-        def judge(part: slice) -> tuple[Bools, Floats, Bools, Bools]:
+        def judge(part: slice) -> _Found:
             return self._judged(slice(some.start + part.start, some.start + part.stop), ends.of(part))
 
         return in_blocks(judge, *ends.thing.shape)
 
-    def _judged(self, some: slice, ends: _Ends) -> tuple[Bools, Floats, Bools, Bools]:
-        """Which of some texels' rays are misled (k, S), their places (M, 3), which of these are known.
+    def _judged(self, some: slice, ends: _Ends) -> _Found:
+        """Which of some texels' rays are misled (k, S), their places (M, 3), and which of these are known.
 
-        And which meet the object where the layers show it, (k, S).
+        What the layers show where they are not, (M, 3); and which meet the object where the layers show it,
+        (k, S).
         """
         hit = self.hit[some]
         asked = ~ends.body & (~hit | ends.thing)
@@ -213,7 +254,11 @@ class _Judge:
         shown[row, ray] = own & ~wrong
         wrong &= ~own
         rays[row, ray] = wrong
-        return rays, (place + self.around.middle)[wrong].astype(np.float32), known[wrong], shown
+        told = np.full((int(wrong.sum()), 3), np.nan, dtype=np.float32)
+        unknown = np.flatnonzero(wrong & ~known)
+        sharp = np.full(len(unknown), SHARP, dtype=np.float32)
+        told[~known[wrong]] = replace(self.around, lamps=()).look(offset[unknown], axis[unknown], sharp).T
+        return rays, (place + self.around.middle)[wrong].astype(np.float32), known[wrong], told, shown
 
     def _wrong(self, offset: Floats, axis: Floats, place: Floats, exact: float) -> tuple[Bools, Bools]:
         """Which of N rays are misled, and of which the pictures know where they end, (N,) both."""
@@ -228,10 +273,10 @@ class _Judge:
         true, sure = light_of(self.around, offset[wrong], axis[wrong], place[wrong], variance)
         known = np.zeros(len(wrong), dtype=bool)
         known[wrong] = sure
-        wrong[wrong] = ~(sure & self._alike(told, true))
+        wrong[wrong] = ~(sure & self.alike(told, true))
         return wrong, known
 
-    def _alike(self, told: Floats, true: Floats) -> Bools:
+    def alike(self, told: Floats, true: Floats) -> Bools:
         """Which colours (3, N) are the same."""
         brighter = np.maximum(told, true).max(axis=0)
         alike: Bools = np.abs(told - true).max(axis=0) <= _ALIKE * brighter + _DARK * self._usual

@@ -244,11 +244,12 @@ class Impostor:
         """How far along rays are met, (N,), that pass behind the side of a thing that the eye sees.
 
         Of rays from offsets (3, N) from the eye along axes (3, N), which were found to be met `far` along.
-        One that is met only where it enters or leaves its box has met no side that is seen. Where the middle
-        of its way through the box lies behind such a side, by no more than that way, it is met there.
+        One that meets nothing between where it enters and leaves its box has met no side that is seen. Where
+        the middle of its way through the box lies behind such a side, by no more than that way, it is met
+        there.
         """
         enter, leave, _ = bounds
-        at_bound = np.flatnonzero(((far <= enter) | (far == leave)) & (enter < leave))
+        at_bound = np.flatnonzero(((far <= enter) | (far >= leave)) & (enter < leave))
         way = (leave - enter)[at_bound]
         middle = enter[at_bound] + way / 2
         met, length = _towards(offset[:, at_bound] + middle * axis[:, at_bound])

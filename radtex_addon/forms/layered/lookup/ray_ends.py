@@ -15,7 +15,7 @@ from ....core.arrays import Bools, Floats
 from .environment import Around, Lit
 
 SAME = 0.12  # of a ray's length: ends that are closer to each other are one place
-_SHARP = 1e-9  # a width² that is none
+SHARP = 1e-9  # a width² that is none
 _SOLID = 0.5  # alpha from which on a layer shows something
 _CORNER = 6.0  # times a square lamp's variance: the square of the angle to its corner
 _LEAST_RATIO, _MOST_RATIO = 1 / 16, 4.0  # as the layers have it
@@ -24,7 +24,7 @@ _LEAST_RATIO, _MOST_RATIO = 1 / 16, 4.0  # as the layers have it
 def shown_ends(around: Around, offset: Floats, axis: Floats) -> Floats:
     """Where rays from offsets along unit axes (N, 3) end by what the layers show: places (N, 3)."""
     found = np.full(offset.shape, np.nan, dtype=np.float32)
-    sharp = np.full(len(axis), _SHARP, dtype=np.float32)
+    sharp = np.full(len(axis), SHARP, dtype=np.float32)
     for layer in around.layers:
         met, _, cover = layer.shape.meet(offset, axis, sharp)
         met = met.astype(np.float32)

@@ -349,11 +349,10 @@ def _behind(
     length = build.math("MAXIMUM", build.vector("LENGTH", reached), 1e-6)
     distance = _distance(build, nearness, reached)
     behind = build.math("SUBTRACT", length, distance)
+    past = build.math("GREATER_THAN", far, build.math("SUBTRACT", leave, _STILL))
     conditions = (
         build.math("GREATER_THAN", way, _STILL),
-        build.math(
-            "MAXIMUM", build.math("COMPARE", far, enter, _STILL), build.math("COMPARE", far, leave, _STILL)
-        ),
+        build.math("MAXIMUM", build.math("COMPARE", far, enter, _STILL), past),
         build.math("LESS_THAN", build.math("MULTIPLY", distance, SOLID), length),
         build.math("LESS_THAN", behind, way),
     )
