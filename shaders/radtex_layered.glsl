@@ -19,8 +19,9 @@
 // RADTEX_OWN_CELLS, RADTEX_REST_CELLS: cells along the sides of buckets.
 //
 // What a lookup costs. RADTEX_STEPS (0, 1, 2; default 1): fetches of distances. RADTEX_OWN_TAPS, RADTEX_REST_TAPS (3,
-// 4; default 3): cells of a bucket that are blended. RADTEX_SECOND_LOBE (0, 1; default 1): whether the second lobe is
-// looked up, or materials have one lobe in place of two.
+// 4; default 3): cells of a bucket that are blended; RADTEX_OWN_TAPS is 0 where an object mirrors nothing of itself, and
+// has no own layer. RADTEX_SECOND_LOBE (0, 1; default 1): whether the second lobe is looked up, or materials have one lobe
+// in place of two.
 //
 // RADTEX_STEADY: lobes are wider where normals differ from one pixel to the next, so that what is far away or sharply
 // curved does not shimmer. Its value is by how much: 0.16 is what a pixel covers, 4 times a twelfth for each of two
@@ -102,8 +103,10 @@ uniform vec4 radtex_lobes[32 * RADTEX_MATERIALS];
 #ifdef RADTEX_GLOSSES
 uniform vec4 radtex_gloss[RADTEX_MATERIALS];  // its mean glossy colour and log2 of its mean width²: see radtex_reflected; 0 if tints say all
 #endif
+#if RADTEX_OWN_TAPS > 0
 uniform sampler2D radtex_own_map;
 uniform vec4 radtex_own_range, radtex_own_tile;
+#endif
 #ifdef RADTEX_WIDTH
 uniform sampler2D radtex_width_map;
 uniform vec4 radtex_width_range;
@@ -519,6 +522,9 @@ vec3 radtex_shown(vec3 from, vec3 ray, vec4 met, float spread, vec4 lit) {
 #ifdef RADTEX_MIRRORS
 // What the object shows of itself in the direction that lies at a place on the square, and how much it leaves free.
 vec4 radtex_own(vec2 uv, vec2 place) {
+#if RADTEX_OWN_TAPS == 0
+    return vec4(0.0, 0.0, 0.0, 1.0);
+#else
     float n = float(RADTEX_OWN_CELLS);
     vec2 inside = radtex_inside(radtex_own_tile, uv), size = radtex_own_range.xy;
     RadtexCells cells;
@@ -531,6 +537,7 @@ vec4 radtex_own(vec2 uv, vec2 place) {
     own = radtex_three_taps(radtex_own_map, cells, inside, size);
 #endif
     return vec4(own.rgb * radtex_own_range.z + radtex_own_range.w, own.a);
+#endif
 }
 
 // How much the object leaves free of its surroundings, as a lobe of that width² sees it; `kept` is as cells see it.
@@ -562,10 +569,14 @@ vec3 radtex_reflected(vec3 colour, float width, float cosine, float opacity) {
 
 // What a lobe (weight, and log2 of its width²) shows; `own` is what the object shows of itself.
 vec3 radtex_mirrored(vec3 from, vec3 ray, vec4 met, vec4 own, vec4 lobe, vec4 lit) {
+#if RADTEX_OWN_TAPS == 0
+    return lobe.rgb * radtex_shown(from, ray, met, lobe.a, lit);
+#else
     float free = radtex_free(own.a, exp2(lobe.a));
     vec3 light = own.rgb;
     if (free > 0.001) light += free * (radtex_shown(from, ray, met, lobe.a, lit) - light);
     return lobe.rgb * light;
+#endif
 }
 #endif
 

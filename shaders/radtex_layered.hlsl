@@ -23,8 +23,9 @@
 // RADTEX_OWN_CELLS, RADTEX_REST_CELLS: cells along the sides of buckets.
 //
 // What a lookup costs. RADTEX_STEPS (0, 1, 2; default 1): fetches of distances. RADTEX_OWN_TAPS, RADTEX_REST_TAPS (3,
-// 4; default 3): cells of a bucket that are blended. RADTEX_SECOND_LOBE (0, 1; default 1): whether the second lobe is
-// looked up, or materials have one lobe in place of two.
+// 4; default 3): cells of a bucket that are blended; RADTEX_OWN_TAPS is 0 where an object mirrors nothing of itself, and
+// has no own layer. RADTEX_SECOND_LOBE (0, 1; default 1): whether the second lobe is looked up, or materials have one lobe
+// in place of two.
 //
 // RADTEX_STEADY: lobes are wider where normals differ from one pixel to the next, so that what is far away or sharply
 // curved does not shimmer. Its value is by how much: 0.16 is what a pixel covers, 4 times a twelfth for each of two
@@ -532,6 +533,9 @@ float3 radtex_shown(float3 from, float3 ray, float4 met, float spread, float4 li
 #ifdef RADTEX_MIRRORS
 // What the object shows of itself in the direction that lies at a place on the square, and how much it leaves free.
 float4 radtex_own(float2 uv, float2 place) {
+#if RADTEX_OWN_TAPS == 0
+    return float4(0.0, 0.0, 0.0, 1.0);
+#else
     float n = float(RADTEX_OWN_CELLS);
     float2 inside = radtex_inside(radtex_own_tile, uv), size = radtex_own_range.xy;
     RadtexCells cells;
@@ -544,6 +548,7 @@ float4 radtex_own(float2 uv, float2 place) {
     own = radtex_three_taps(radtex_own_map, cells, inside, size);
 #endif
     return float4(own.rgb * radtex_own_range.z + radtex_own_range.w, own.a);
+#endif
 }
 
 // How much the object leaves free of its surroundings, as a lobe of that width² sees it; `kept` is as cells see it.
@@ -575,10 +580,14 @@ float3 radtex_reflected(float3 colour, float width, float cosine, float opacity)
 
 // What a lobe (weight, and log2 of its width²) shows; `own` is what the object shows of itself.
 float3 radtex_mirrored(float3 from, float3 ray, float4 met, float4 own, float4 lobe, float4 lit) {
+#if RADTEX_OWN_TAPS == 0
+    return lobe.rgb * radtex_shown(from, ray, met, lobe.a, lit);
+#else
     float free = radtex_free(own.a, exp2(lobe.a));
     float3 light = own.rgb;
     if (free > 0.001) light += free * (radtex_shown(from, ray, met, lobe.a, lit) - light);
     return lobe.rgb * light;
+#endif
 }
 #endif
 

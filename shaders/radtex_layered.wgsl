@@ -30,7 +30,7 @@ override RADTEX_LAMPS: i32 = 0;         // how many, 0 to 8
 override RADTEX_OWN_CELLS: i32 = 14;    // cells along the sides of buckets
 override RADTEX_REST_CELLS: i32 = 8;
 override RADTEX_STEPS: i32 = 1;         // fetches of distances, 0 to 2
-override RADTEX_OWN_TAPS: i32 = 3;      // cells of a bucket that are blended, 3 or 4
+override RADTEX_OWN_TAPS: i32 = 3;      // cells of a bucket that are blended, 3 or 4; 0: it mirrors nothing of itself
 override RADTEX_REST_TAPS: i32 = 3;
 override RADTEX_SECOND_LOBE: i32 = 1;   // 1: it is looked up, 0: materials have one lobe in place of two
 
@@ -466,19 +466,23 @@ fn radtex_shown(whence: vec3f, ray: vec3f, met: vec4f, spread: f32, lit: vec4f) 
 
 // What the object shows of itself in the direction that lies at a place on the square, and how much it leaves free.
 fn radtex_own(uv: vec2f, place: vec2f) -> vec4f {
-    let n = f32(RADTEX_OWN_CELLS);
-    let inside = radtex_inside(radtex.own_tile, uv);
-    let size = radtex.own_range.xy;
-    var cells: RadtexCells;
-    var own: vec4f;
-    if RADTEX_OWN_TAPS == 4 {
-        cells = radtex_four_cells(place, n);
-        own = radtex_four_taps(radtex_own_map, cells, inside, size);
+    if RADTEX_OWN_TAPS == 0 {
+        return vec4f(0.0, 0.0, 0.0, 1.0);
     } else {
-        cells = radtex_three_cells(place, n);
-        own = radtex_three_taps(radtex_own_map, cells, inside, size);
+        let n = f32(RADTEX_OWN_CELLS);
+        let inside = radtex_inside(radtex.own_tile, uv);
+        let size = radtex.own_range.xy;
+        var cells: RadtexCells;
+        var own: vec4f;
+        if RADTEX_OWN_TAPS == 4 {
+            cells = radtex_four_cells(place, n);
+            own = radtex_four_taps(radtex_own_map, cells, inside, size);
+        } else {
+            cells = radtex_three_cells(place, n);
+            own = radtex_three_taps(radtex_own_map, cells, inside, size);
+        }
+        return vec4f(own.rgb * radtex.own_range.z + radtex.own_range.w, own.a);
     }
-    return vec4f(own.rgb * radtex.own_range.z + radtex.own_range.w, own.a);
 }
 
 // How much the object leaves free of its surroundings, as a lobe of that width² sees it; `kept` is as cells see it.
@@ -509,10 +513,14 @@ fn radtex_reflected(colour: vec3f, width: f32, cosine: f32, opacity: f32) -> vec
 
 // What a lobe (weight, and log2 of its width²) shows; `own` is what the object shows of itself.
 fn radtex_mirrored(whence: vec3f, ray: vec3f, met: vec4f, own: vec4f, lobe: vec4f, lit: vec4f) -> vec3f {
-    let free = radtex_free(own.a, exp2(lobe.a));
-    var light = own.rgb;
-    if free > 0.001 { light += free * (radtex_shown(whence, ray, met, lobe.a, lit) - light); }
-    return lobe.rgb * light;
+    if RADTEX_OWN_TAPS == 0 {
+        return lobe.rgb * radtex_shown(whence, ray, met, lobe.a, lit);
+    } else {
+        let free = radtex_free(own.a, exp2(lobe.a));
+        var light = own.rgb;
+        if free > 0.001 { light += free * (radtex_shown(whence, ray, met, lobe.a, lit) - light); }
+        return lobe.rgb * light;
+    }
 }
 
 // A material at a place: the colour of its diffuse light, what its lobes are multiplied by, its normal, and its alpha,

@@ -220,9 +220,11 @@ def clear(atlas: LayeredAtlas) -> LayeredAtlas:
 
 
 def bare(atlas: LayeredAtlas) -> LayeredAtlas:
-    """With nothing optional."""
+    """With nothing optional, and nothing that it mirrors of itself."""
     around = Around(atlas.around.middle, atlas.around.world, (), ())
-    return replace(atlas, around=around, materials=atlas.materials[:1], falloff=atlas.falloff[:1])
+    own = np.zeros_like(atlas.own)
+    own[..., 3] = 1
+    return replace(atlas, around=around, materials=atlas.materials[:1], falloff=atlas.falloff[:1], own=own)
 
 
 def matt(atlas: LayeredAtlas) -> LayeredAtlas:
@@ -339,7 +341,11 @@ _CHOICES: dict[str, tuple[str, ...]] = {
     "through": ("", "RADTEX_THROUGH RADTEX_EXIT_CELLS=16 RADTEX_EXIT_TAPS=16 RADTEX_THROUGH_CELLS=8"),
     "images": ("", "RADTEX_IMAGES"),
     "steps": ("RADTEX_STEPS=0", "RADTEX_STEPS=1", "RADTEX_STEPS=2"),
-    "taps": ("RADTEX_OWN_TAPS=3 RADTEX_REST_TAPS=3", "RADTEX_OWN_TAPS=4 RADTEX_REST_TAPS=4"),
+    "taps": (
+        "RADTEX_OWN_TAPS=0 RADTEX_REST_TAPS=3",
+        "RADTEX_OWN_TAPS=3 RADTEX_REST_TAPS=3",
+        "RADTEX_OWN_TAPS=4 RADTEX_REST_TAPS=4",
+    ),
     "steady": ("", "RADTEX_STEADY=0.16"),
 }
 

@@ -55,6 +55,9 @@ def test_what_is_not_looked_up_is_not_read() -> None:
     assert layers_read(sidecar) == ("colour", "irradiance", "rest")
     assert definitions(sidecar)["RADTEX_LAMPS"] == 0
     assert "RADTEX_PLANE" not in definitions(sidecar)
+    sidecar = case_of("bare").sidecar  # mirrors nothing of itself
+    assert layers_read(sidecar) == ("colour", "irradiance", "rest", "world")
+    assert definitions(sidecar)["RADTEX_OWN_TAPS"] == 0
     sidecar = case_of("made up").sidecar
     assert "distances" in layers_read(sidecar)
     assert "distances" not in layers_read(sidecar, LookupCost(steps=0))

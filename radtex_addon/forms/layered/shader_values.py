@@ -160,6 +160,8 @@ def exported_facts(
 def layers_read(sidecar: LayeredSidecar, cost: LookupCost = DEFAULT) -> tuple[str, ...]:
     """The layers whose textures the shaders read."""
     without: tuple[str, ...] = () if _mirrors(sidecar) else _OF_MIRRORS
+    if not sidecar.mirrors_itself:
+        without += (OWN,)
     if not _mirrors(sidecar) and sidecar.through is None:
         without += _SURROUNDINGS
     if not cost.steps:
@@ -186,7 +188,8 @@ def definitions(sidecar: LayeredSidecar, cost: LookupCost = DEFAULT) -> dict[str
     if _mirrors(sidecar):
         found |= {"RADTEX_MIRRORS": 1, "RADTEX_OWN_CELLS": sidecar.own_cells}
         second = cost.second_lobe and sidecar.second_lobes
-        found |= {"RADTEX_OWN_TAPS": cost.own_taps, "RADTEX_SECOND_LOBE": int(second)}
+        taps = cost.own_taps if sidecar.mirrors_itself else 0
+        found |= {"RADTEX_OWN_TAPS": taps, "RADTEX_SECOND_LOBE": int(second)}
     if sidecar.glosses:
         found["RADTEX_GLOSSES"] = 1
     if sidecar.through is not None:

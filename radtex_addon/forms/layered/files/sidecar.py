@@ -87,7 +87,8 @@ class LayeredSidecar:
     `own_cells` x `own_cells` and `rest_cells` x `rest_cells` cells. `distances` are the cells along the side
     of that map, `nearness` its mean, 0 without, and `things_eye` (3,) whence it is seen, from the middle; in
     a room things lie in `boxes` (n, 2, 3). Falloffs (STEPS, 3) are by material, as are the lobes; so are
-    `looks`, which tell how materials are shown by their own images, empty if none is.
+    `looks`, which tell how materials are shown by their own images, empty if none is. Where an object is not
+    one that `mirrors_itself`, nothing in its buckets of own light differs from none.
     """
 
     bake: Sidecar
@@ -108,6 +109,7 @@ class LayeredSidecar:
     looks: tuple[ImageLook | None, ...] = ()
     things_eye: Floats = field(default_factory=lambda: np.zeros(3, dtype=np.float32))
     boxes: Floats = field(default_factory=lambda: np.zeros((0, 2, 3), dtype=np.float32))
+    mirrors_itself: bool = True
 
     @classmethod
     def of(cls, atlas: LayeredAtlas, bake: Sidecar) -> LayeredSidecar:
@@ -148,6 +150,7 @@ class LayeredSidecar:
             materials=atlas.materials,
             through=None if through is None else ThroughCells(through.ways.shape[2], through.rest.shape[2]),
             looks=atlas.looks,
+            mirrors_itself=bool((atlas.own != (0, 0, 0, 1)).any()),
             **({} if things is None else {"things_eye": things.shape.eye, "boxes": _boxes(things)}),
         )
         maps = [name for name in _MAPS if getattr(atlas, name) is not None]
@@ -211,6 +214,7 @@ class LayeredSidecar:
             "coarse": list(self.coarse),
             "own_cells": self.own_cells,
             "rest_cells": self.rest_cells,
+            **({} if self.mirrors_itself else {"mirrors_itself": False}),
             "middle": _row(self.middle),
             "pictures": {
                 name: {"size": found.size, "levels": found.levels, "sharpest": found.sharpest}
@@ -301,6 +305,8 @@ class LayeredSidecar:
                 through.whole_number("exit_cells", 2, 256), through.whole_number("rest_cells", 2, 256)
             ),
         )
+        if "mirrors_itself" in layered.values:
+            sidecar = replace(sidecar, mirrors_itself=layered.truth("mirrors_itself"))
         if distances is not None and "eye" in distances.values:
             sidecar = replace(sidecar, things_eye=_vector(distances, "eye"))
         if distances is not None and "boxes" in distances.values:

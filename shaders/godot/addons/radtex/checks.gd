@@ -22,7 +22,7 @@ const DEFINES := {
 	"RADTEX_TINT": [1, 1], "RADTEX_NORMAL": [1, 1], "RADTEX_WIDTH": [1, 1], "RADTEX_ALPHA": [1, 1],
 	"RADTEX_PLANE": [1, 1], "RADTEX_THINGS": [1, 1], "RADTEX_MIRRORS": [1, 1], "RADTEX_GLOSSES": [1, 1], "RADTEX_THROUGH": [1, 1],
 	"RADTEX_SRGB": [1, 1], "RADTEX_LAMPS": [0, 8], "RADTEX_SHELL": [2, 8], "RADTEX_BOXES": [1, 8], "RADTEX_STEPS": [0, 2], "RADTEX_SECOND_LOBE": [0, 1],
-	"RADTEX_OWN_TAPS": [3, 4], "RADTEX_REST_TAPS": [3, 4], "RADTEX_EXIT_TAPS": [4, 16],
+	"RADTEX_OWN_TAPS": [0, 4], "RADTEX_REST_TAPS": [3, 4], "RADTEX_EXIT_TAPS": [4, 16],
 	"RADTEX_OWN_CELLS": [1, 64], "RADTEX_REST_CELLS": [1, 64], "RADTEX_EXIT_CELLS": [1, 64], "RADTEX_THROUGH_CELLS": [1, 64],
 }
 ## Its uniforms of one vector, but for those that each layer has; and its arrays, with their lengths, for each material.
