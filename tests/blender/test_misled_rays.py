@@ -18,9 +18,11 @@ from radtex_addon.bake.light_samples import mirrored
 from radtex_addon.bake.progress import Progress, Stage, finished
 from radtex_addon.core.arrays import Bools, Floats
 from radtex_addon.core.fragments import Fragments
+from radtex_addon.formats.sidecar import Sidecar
 from radtex_addon.forms.layered.capture import capturing
 from radtex_addon.forms.layered.capture.capturing import capture_layered
 from radtex_addon.forms.layered.capture.misled_rays import Misled, find_misled
+from radtex_addon.forms.layered.files.sidecar import LayeredSidecar
 from radtex_addon.forms.layered.fit.fitting import fit_layered
 from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas, sample_layered
 from radtex_addon.forms.layered.samples import LayeredSamples, OwnRays
@@ -222,9 +224,14 @@ def test_nothing_changes_where_the_layers_are_right(corner: Any, tmp_path: Path)
     for name in ("Cube", "Wall"):
         bpy.data.objects.remove(bpy.data.objects[name])
     bpy.ops.mesh.primitive_plane_add(size=40, location=(0, 0, -1))
-    own = captured(tmp_path / "capture").own
-    assert own.misled is None
-    assert own.light is None
+    capture = captured(tmp_path / "capture")
+    assert capture.own.misled is None
+    assert capture.own.light is None
+    atlas = finished(fit_layered(capture))
+    assert (atlas.own == (0, 0, 0, 1)).all()  # it mirrors nothing of itself
+    facts = Sidecar("Floor", "radiance", 16, 16, 14, "UVMap", 1, 0, "portal", "RadTex 0", "5.2")
+    sidecar = LayeredSidecar.from_json(LayeredSidecar.of(atlas, facts).to_json())
+    assert not sidecar.mirrors_itself
 
 
 def test_things_without_faces_leave_no_ray_misled(corner: Any, tmp_path: Path) -> None:

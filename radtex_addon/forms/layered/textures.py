@@ -50,7 +50,8 @@ def own_texels(path: Path, atlas: LayeredAtlas) -> tuple[Floats, float]:
     """
     if (atlas.irradiance != atlas.irradiance[0, 0]).any():
         return atlas.irradiance, loss_of(stored_compression(layer_path(path, IRRADIANCE)))
-    return atlas.own.reshape(*atlas.own.shape[:2], -1), 0.0
+    buckets = atlas.own if (atlas.own != atlas.own[0, 0]).any() else atlas.rest
+    return buckets.reshape(*buckets.shape[:2], -1), 0.0
 
 
 def flat_layered(sidecar: SidecarFile, surface: SurfaceMesh) -> Generator[ExportStep, None, Floats]:
