@@ -68,8 +68,8 @@
 @in glsl hlsl godot
 //
 // What a lookup costs. RADTEX_STEPS (0, 1, 2; default 1): fetches of distances. RADTEX_OWN_TAPS, RADTEX_REST_TAPS (3,
-// 4; default 3): cells of a bucket that are blended; RADTEX_OWN_TAPS is 0 where an object mirrors nothing of itself, and
-// has no own layer. RADTEX_SECOND_LOBE (0, 1; default 1): whether the second lobe is looked up, or materials have one lobe
+// 4; default 3): cells of a bucket that are blended; RADTEX_OWN_TAPS is 0 where an object mirrors nothing of itself,
+// and the own layer is not read. RADTEX_SECOND_LOBE (0, 1; default 1): whether the second lobe is looked up, or materials have one lobe
 // in place of two.
 //
 // RADTEX_STEADY: lobes are wider where normals differ from one pixel to the next, so that what is far away or sharply

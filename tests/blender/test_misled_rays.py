@@ -256,13 +256,15 @@ def test_misled_rays_join_those_that_meet_the_object() -> None:
     met, place = np.array([4, -1], np.int32), np.arange(6, dtype=np.float32).reshape(2, 3)
     own = OwnRays(None, hit, met, place, -place)  # type: ignore[arg-type]  # no ray is asked for
     more = np.full((2, 3), 9.0, np.float32)
-    both = own.with_misled(misled, more, 2 * more)
+    both = own.with_misled(misled, more, 2 * more, np.array([True, False]))
     np.testing.assert_array_equal(both.hit, hit | misled)
     np.testing.assert_array_equal(both.meets, hit)
     assert both.met.tolist() == [4, -1, -1, -1]
     np.testing.assert_array_equal(both.place, [place[0], more[0], more[0], place[1]])
     assert both.light is not None
     np.testing.assert_array_equal(both.light, [-place[0], 2 * more[0], 2 * more[0], -place[1]])
+    assert both.traced == 6  # a path in each cell of both texels
+    assert both.without(both.hit).traced == 3
 
 
 def test_the_bar_moves_through_them(corner: Any, out: Path, monkeypatch: pytest.MonkeyPatch) -> None:

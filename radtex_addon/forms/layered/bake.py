@@ -12,6 +12,8 @@ from collections.abc import Generator
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from ...bake.progress import Progress, Stage
 from ...core.arrays import Floats
 from ...core.atlas import AtlasLayout
@@ -32,6 +34,7 @@ from .fit.known import Known
 from .lookup.atlas import LayeredAtlas
 
 _SEEDS = 2**31
+_HIDDEN = 1e-3  # of what lies around, below which own light counts as none
 _SEED_STEP = 7919  # for each sample that is there
 
 
@@ -47,13 +50,17 @@ def merged(known: Known, more: LayeredAtlas) -> LayeredAtlas:
     def mean(earlier: Floats, new: Floats) -> Floats:
         return earlier + known.share * (new - earlier)
 
+    own = mean(atlas.own, more.own)
+    hidden = mean(1 - atlas.own[..., 3:], 1 - more.own[..., 3:])  # own light is not premultiplied by that
+    seen = mean(*(one[..., :3] * (1 - one[..., 3:]) for one in (atlas.own, more.own)))
+    np.divide(seen, hidden, out=own[..., :3], where=hidden > _HIDDEN)
     through = atlas.through
     if through is not None and more.through is not None:
         through = replace(through, rest=mean(through.rest, more.through.rest))
     return replace(
         atlas,
         irradiance=mean(atlas.irradiance, more.irradiance),
-        own=mean(atlas.own, more.own),
+        own=own,
         rest=mean(atlas.rest, more.rest),
         through=through,
     )

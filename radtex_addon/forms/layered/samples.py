@@ -42,7 +42,8 @@ class OwnRays:
     bring the `light` (P, 3), one path's; None where there are none.
     `misled` (K, S): which of the rays that hit do not meet the object, but what the layers of surroundings
     would show wrongly; None where none is. They have met -1, and their place is NaN where they end in the
-    world. Their light is NaN where no path was traced along them.
+    world. Their light is NaN where no path was traced along them. `asked` (K,): the texels along whose rays
+    paths were traced to find that out; None where none were.
     """
 
     rays: LobeSamples
@@ -51,15 +52,16 @@ class OwnRays:
     place: Floats
     light: Floats | None = None
     misled: Bools | None = None
+    asked: Bools | None = None
 
     @property
     def traced(self) -> int:
-        """How many paths were traced for `light`: one in each cell of the texels that have such rays."""
-        if self.light is None:
-            return 0
-        row, _ = np.nonzero(self.hit)
-        told = (self.met < 0) & np.isfinite(self.light[:, 0])
-        return len(np.unique(row[told])) * int(self.hit.shape[1])
+        """How many paths were traced: one in each cell of the texels that were `asked` or have `light`."""
+        texels = np.zeros(len(self.hit), dtype=bool) if self.asked is None else self.asked.copy()
+        if self.light is not None:
+            row, _ = np.nonzero(self.hit)
+            texels[row[(self.met < 0) & np.isfinite(self.light[:, 0])]] = True
+        return int(texels.sum()) * int(self.hit.shape[1])
 
     @property
     def meets(self) -> Bools:
@@ -72,8 +74,8 @@ class OwnRays:
         light = None if self.light is None else self.light[left]
         return replace(self, hit=self.hit & ~some, met=self.met[left], place=self.place[left], light=light)
 
-    def with_misled(self, misled: Bools, place: Floats, light: Floats) -> OwnRays:
-        """Add rays (K, S) that are misled, M of them, the `place` (M, 3) of each and its `light`."""
+    def with_misled(self, misled: Bools, place: Floats, light: Floats, asked: Bools) -> OwnRays:
+        """Add rays (K, S) that are misled, M of them, each one's `place` (M, 3) and `light`; and `asked`."""
         hit = self.hit | misled
         was = self.hit[hit]
         met = np.full(len(was), -1, dtype=np.int32)
@@ -81,7 +83,7 @@ class OwnRays:
         met[was], places[was], places[~was], lights[~was] = self.met, self.place, place, light
         if self.light is not None:
             lights[was] = self.light
-        return OwnRays(self.rays, hit, met, places, lights, misled)
+        return OwnRays(self.rays, hit, met, places, lights, misled, asked)
 
 
 @dataclass(frozen=True, eq=False)

@@ -32,7 +32,7 @@ from ...textures.export_spec import Arrangement, ExportSpec, ExportStep, ExportT
 from ...textures.flat_lightmap import check_surface, even_directions
 from ...textures.texture_files import write_levels, write_ranged
 from .blocks import FORMATS, coded, fits_blocks
-from .files.arrangement import COLOUR, IRRADIANCE, TINT, WORLD, unpacked
+from .files.arrangement import COLOUR, IRRADIANCE, OWN, REST, TINT, WORLD, unpacked
 from .files.layered_files import read_layer, read_layered, read_layered_sidecar
 from .files.sidecar import LayeredSidecar
 from .lookup.atlas import LayeredAtlas, sample_layered
@@ -50,8 +50,8 @@ def own_texels(path: Path, atlas: LayeredAtlas) -> tuple[Floats, float]:
     """
     if (atlas.irradiance != atlas.irradiance[0, 0]).any():
         return atlas.irradiance, loss_of(stored_compression(layer_path(path, IRRADIANCE)))
-    buckets = atlas.own if (atlas.own != atlas.own[0, 0]).any() else atlas.rest
-    return buckets.reshape(*buckets.shape[:2], -1), 0.0
+    layer, buckets = (OWN, atlas.own) if (atlas.own != atlas.own[0, 0]).any() else (REST, atlas.rest)
+    return buckets.reshape(*buckets.shape[:2], -1), loss_of(stored_compression(layer_path(path, layer)))
 
 
 def flat_layered(sidecar: SidecarFile, surface: SurfaceMesh) -> Generator[ExportStep, None, Floats]:

@@ -32,7 +32,7 @@ const DEFINES = new Map<string, Range>([
   ["RADTEX_BOXES", [1, 8]],
   ["RADTEX_STEPS", [0, 2]],
   ["RADTEX_SECOND_LOBE", [0, 1]],
-  ["RADTEX_OWN_TAPS", [3, 4]],
+  ["RADTEX_OWN_TAPS", [0, 4]],
   ["RADTEX_REST_TAPS", [3, 4]],
   ["RADTEX_EXIT_TAPS", [4, 16]],
 ]);

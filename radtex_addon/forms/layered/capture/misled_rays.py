@@ -42,12 +42,13 @@ from .own_rays import dark_world, light_along, own_aim
 from .panoramas import NO_SURFACE
 from .source_rays import shows_place
 
-_FEW = 1e-3  # share of rays: where fewer are misled, none counts
+_FEW = 1e-3  # share of rays: where fewer end elsewhere than the layers show, none counts
 _ALIKE = 0.15  # of the brighter one: colours that differ by less are the same …
 _DARK = 0.02  # … and of the mean brightness
 _JUDGED = 2e-3  # width², radians², of what colours are compared of
 _BODY = 0.25  # what the baked objects emit; places emit 1 or more, the world nothing
-_CUBES = 64  # along the longest side of all places that no picture knows
+_CUBES = 64  # along the longest side of all places that no picture knows, but for …
+_FAR = 0.02  # of them at either end: they may be far off
 _ENOUGH = 8  # paths that end in a cube, from which on their mean counts
 _NEAREST = 1e-2  # of the largest distance of the object's points from their middle, and …
 _EXACT = 1e-6  # … of the scene's size: places that are closer to each other are one
@@ -60,12 +61,14 @@ class Misled:
 
     It is NaN where that is the world. `light` (M, 3): that of a path along it, NaN where none was traced.
     `shown` (K, S): rays that meet the baked objects where the layers show them, as of a room's walls.
+    `asked` (K,): the texels along whose rays paths were traced.
     """
 
     rays: Bools
     place: Floats
     light: Floats
     shown: Bools
+    asked: Bools
 
 
 def find_misled(
@@ -80,8 +83,9 @@ def find_misled(
 ) -> Misled | None:
     """The misled ones of the rays that `capture_own_rays` takes, of which `hit` (K, S) meet the object.
 
-    None where few are. The `unseen` are baked, or lie inside what is, and are in no picture. At most so many
-    paths a texel as `most` are traced, on average. Raises BakeError where Cycles fails.
+    None where few end elsewhere than the layers show. The `unseen` are baked, or lie inside what is, and are
+    in no picture. At most so many paths a texel as `most` are traced, on average. Raises BakeError where
+    Cycles fails.
     """
     originals = frozenset(body.original for body in unseen)
     others, faceless = read_render(scratch, lambda shown: _others(shown, originals))
@@ -99,6 +103,8 @@ def find_misled(
         return None
     light = np.full(place.shape, np.nan, dtype=np.float32)
     traced = _traced(rays, ~known, most)
+    asked = np.zeros(len(rays), dtype=bool)
+    asked[np.nonzero(rays)[0][traced]] = True
     if traced.any():
         with scene_copied(scratch) as copy:
             along = light_along(copy, plan, own_aim(plan, seed), rays, traced, seed, folder)
@@ -108,7 +114,7 @@ def find_misled(
         misled[~known] = ~judge.alike(told[~known].T, nearby.T)
         rays[rays] = misled
         place, light = place[misled], light[misled]
-    return Misled(rays, place, light, shown)
+    return Misled(rays, place, light, shown, asked)
 
 
 def _traced(rays: Bools, asked: Bools, most: int) -> Bools:
@@ -128,10 +134,10 @@ def _mean_nearby(place: Floats, light: Floats, traced: Bools) -> Floats:
 
     NaN where there are few.
     """
-    low = place.min(axis=0)
-    side = max(float((place - low).max()), 1e-9) / _CUBES
-    cube = ((place - low) / side).astype(np.int64)
-    _, number = np.unique(cube @ np.array([1, _CUBES + 1, (_CUBES + 1) ** 2]), return_inverse=True)
+    low, high = np.quantile(place, (_FAR, 1 - _FAR), axis=0)
+    side = max(float((high - low).max()), 1e-9) / _CUBES
+    cube = np.clip(np.floor((place - low) / side), -_CUBES, 2 * _CUBES - 1).astype(np.int64) + _CUBES
+    _, number = np.unique(cube @ (3 * _CUBES) ** np.arange(3), return_inverse=True)
     count = np.bincount(number, traced)
     total = np.stack([np.bincount(number[traced], part, len(count)) for part in light[traced].T], axis=1)
     mean = total / np.maximum(count, 1)[:, None]
@@ -239,8 +245,8 @@ class _Judge:
     def _judged(self, some: slice, ends: _Ends) -> _Found:
         """Which of some texels' rays are misled (k, S), their places (M, 3), and which of these are known.
 
-        What the layers show where they are not, (M, 3); and which meet the object where the layers show it,
-        (k, S).
+        Then what the layers show the misled rays whose places are not known, (M, 3), NaN for the others; and
+        which rays meet the object where the layers show it, (k, S).
         """
         hit = self.hit[some]
         asked = ~ends.body & (~hit | ends.thing)

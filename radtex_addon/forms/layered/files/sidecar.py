@@ -87,8 +87,8 @@ class LayeredSidecar:
     `own_cells` x `own_cells` and `rest_cells` x `rest_cells` cells. `distances` are the cells along the side
     of that map, `nearness` its mean, 0 without, and `things_eye` (3,) whence it is seen, from the middle; in
     a room things lie in `boxes` (n, 2, 3). Falloffs (STEPS, 3) are by material, as are the lobes; so are
-    `looks`, which tell how materials are shown by their own images, empty if none is. Where an object is not
-    one that `mirrors_itself`, nothing in its buckets of own light differs from none.
+    `looks`, which tell how materials are shown by their own images, empty if none is. Unless an object
+    `mirrors_itself`, its buckets of own light are (0, 0, 0, 1) everywhere.
     """
 
     bake: Sidecar

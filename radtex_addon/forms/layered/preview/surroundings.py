@@ -349,7 +349,7 @@ def _behind(
     length = build.math("MAXIMUM", build.vector("LENGTH", reached), 1e-6)
     distance = _distance(build, nearness, reached)
     behind = build.math("SUBTRACT", length, distance)
-    past = build.math("GREATER_THAN", far, build.math("SUBTRACT", leave, _STILL))
+    past = build.math("SUBTRACT", 1.0, build.math("LESS_THAN", far, leave))
     conditions = (
         build.math("GREATER_THAN", way, _STILL),
         build.math("MAXIMUM", build.math("COMPARE", far, enter, _STILL), past),
