@@ -51,10 +51,24 @@ def _fitted(waves: float, hit: Bools | None = None, parts: Parts = ALL_PARTS) ->
     return fit_buckets(surface, own, samples, samples.seen, parts)
 
 
+def _each(number: int) -> Bools:
+    """Hits: one in so many rays."""
+    return (np.arange(SIDE * SIDE * 256) % number == 0).reshape(SIDE * SIDE, 256)
+
+
 def test_what_is_finer_than_few_cells_gets_more_of_them() -> None:
-    found = _fitted(waves=9)
+    found = _fitted(waves=9, hit=_each(20))
     assert found.rest_cells == 14
     assert found.own.shape[2] == found.free.shape[2] == 64
+
+
+@pytest.mark.parametrize("hit", [None, 100])
+def test_what_is_shown_as_well_without_its_own_light_has_none(hit: int | None) -> None:
+    found = _fitted(waves=9, hit=None if hit is None else _each(hit))
+    assert found.rest_cells == 14
+    assert found.own.shape[2] == found.free.shape[2] == 4
+    assert not found.own.any()
+    assert (found.free == 1).all()
 
 
 def test_there_is_no_choice_where_the_object_mirrors_itself_or_none_is_wanted() -> None:

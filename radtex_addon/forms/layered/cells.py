@@ -3,6 +3,7 @@
 """How many cells buckets of the layered layout have along a side, and the sizes of what surrounds them."""
 
 CELLS = ((14, 8), (8, 14))  # of what the object shows of itself, and of the rest
+CLEAR = ((2, 8), (2, 14))  # the same of an object that mirrors nothing of itself
 EXIT_CELLS = 16  # of rays that leave the object
 THROUGH_CELLS = 8  # of the rest of what comes through
 PICTURE_SIZE = 512  # of pictures of what surrounds the object, at their sharpest

@@ -3,8 +3,9 @@
 """The buckets of what is mirrored: what the object shows of itself, what it leaves free, and the rest.
 
 An object that shows itself in its mirrors needs many cells for that; one that hardly does has more of many
-cells for the rest. Both take as many bytes: samples that neither was fitted to choose between them. What is
-left free is kept as a picture, blurred as wide as its cells: see `lookup.lobes`.
+cells for the rest. Both take as many bytes: samples that neither was fitted to choose between them. One whose
+samples are told as well without has nothing of itself in its mirrors, and lookups need not read that. What
+is left free is kept as a picture, blurred as wide as its cells: see `lookup.lobes`.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from ....bake.blocks import planes
 from ....bake.light_samples import LightSamples, LobeSamples
 from ....core.arrays import Bools, Floats
 from ....core.colour_spaces import LUMINANCE
-from ..cells import CELLS
+from ..cells import CELLS, CLEAR
 from ..lookup.atlas import lobes_light
 from ..lookup.lobes import shown_at
 from ..samples import OwnRays
@@ -31,7 +32,10 @@ from .rows import Places, halved, random_half
 from .turned import mirrored_about, octahedral
 
 _PRIOR = 0.0125  # of a cell's rays: the wider neighbourhood's count for that many
-_MIRRORS_ITSELF = 0.25  # share of mirror rays that meet the object, from which on there is no choice
+_MIRRORS_ITSELF = 0.25  # share of mirror rays that meet the object, from which on there is no choice, …
+_LITTLE = 0.02  # … below which it may mirror nothing of itself, by the samples, and …
+_NONE = 1e-3  # … below which it does not
+_TELLS = 1e-3  # of the samples' error: by how much own light must lessen it to be worth its fetches
 _SEED = 2
 
 
@@ -100,9 +104,7 @@ def fit_buckets(
         surface, own, own_light(surface, own) if parts.own else None, light, used,
         Places(used.shape), mean_brightness(light.mirrored, used),
     )  # fmt: skip
-    choices = CELLS if parts.cells and parts.rest and own.hit.mean() < _MIRRORS_ITSELF else CELLS[:1]
-    if known is not None:
-        choices = (known.cells,)
+    choices = _choices(own, parts) if known is None else (known.cells,)
     of_own, cells = choices[0] if len(choices) == 1 else fit.best(choices)
     model = fit.model(surface.grid, of_own)
     (shown,) = fit.shown([model])
@@ -110,6 +112,16 @@ def fit_buckets(
     if parts.rest:
         rest = fit.rest(model, shown, used, cells, 1.0 if known is None else known.share)
     return FittedBuckets(model.own, model.free, rest)
+
+
+def _choices(own: OwnRays, parts: Parts) -> Sequence[tuple[int, int]]:
+    """The numbers of cells between which samples choose."""
+    share = own.hit.mean()
+    if not (parts.cells and parts.rest) or share >= _MIRRORS_ITSELF:
+        return CELLS[:1]
+    if share >= _LITTLE:
+        return CELLS
+    return CLEAR if share < _NONE else (*CELLS, *CLEAR)
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,10 +159,15 @@ class _Fit:
             self.error(model, told, cells, half, shown[0])
             for model, told, (_, cells) in zip(models, shown, choices, strict=True)
         ]
-        return choices[int(np.argmin(errors))]
+        handicap = [1.0 if choice in CLEAR else 1 + _TELLS for choice in choices]
+        return choices[int(np.argmin(np.multiply(errors, handicap)))]
 
     def model(self, grid: BucketGrid, cells: int) -> _Model:
         surface = self.surface
+        if cells == CLEAR[0][0]:
+            own = np.zeros((4, len(grid), cells * cells), dtype=np.float32)
+            own[3] = 1
+            return _Model(grid, own[:3], own[3:])
         if grid is surface.grid and cells == surface.cells:
             free = surface.free
         else:

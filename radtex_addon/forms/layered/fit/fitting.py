@@ -23,7 +23,7 @@ from ..lookup.atlas import LayeredAtlas
 from ..lookup.environment import Around, Lit
 from ..lookup.lobes import LOWEST, Material
 from ..lookup.ways import Through
-from ..samples import LayeredSamples, OwnRays
+from ..samples import LayeredSamples
 from .bucket_grid import BucketGrid
 from .buckets import ALL_PARTS, Parts, fit_buckets, free_share
 from .diffuse import facing_of, fit_falloffs, fit_irradiance
@@ -38,7 +38,6 @@ from .widths import Lobes, fit_lobes
 
 _STEPS = 5  # of progress
 _ABOVE = 1.1 * LOWEST  # sine above mesh and facet: of axes that are lower, Cycles turns the shading normal
-_ITSELF = 1e-3  # of the mirror rays: where fewer meet the object or are misled, it mirrors nothing of itself
 _FREE = 0.98  # of a direction, above which a path is taken to leave the object straight away
 
 
@@ -60,7 +59,7 @@ def fit_layered(
     falloff, irradiance = _diffuse(capture, facing, colour, neighbours, parts, known)
     del facing
     yield Progress(Stage.FIT, 1, _STEPS)
-    own = _own_rays(capture)
+    own = capture.own  # its rays were traced about the mesh's normals, whatever the shading normals
     free = free_share(own.rays, own.hit, grid, CELLS[0][0])
     yield Progress(Stage.FIT, 2, _STEPS)
     if capture.alone is not None:
@@ -112,12 +111,6 @@ def fit_layered(
         through=through,
         alpha=capture.alpha,
     )
-
-
-def _own_rays(capture: LayeredSamples) -> OwnRays:
-    """Those of a capture, traced about the mesh's normals, whatever shading normals are; few are none."""
-    own = capture.own
-    return own.without(own.hit) if own.hit.mean() < _ITSELF else own
 
 
 def _diffuse(
