@@ -53,7 +53,8 @@ def _fitted(waves: float, hit: Bools | None = None, parts: Parts = ALL_PARTS) ->
 
 def _each(number: int) -> Bools:
     """Hits: one in so many rays."""
-    return (np.arange(SIDE * SIDE * 256) % number == 0).reshape(SIDE * SIDE, 256)
+    hit: Bools = (np.arange(SIDE * SIDE * 256) % number == 0).reshape(SIDE * SIDE, 256)
+    return hit
 
 
 def test_what_is_finer_than_few_cells_gets_more_of_them() -> None:
