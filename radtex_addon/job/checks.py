@@ -54,13 +54,14 @@ def check_request(
     """Check everything that could make a bake or its `exports` fail, before it starts; returns warnings.
 
     Raises InputError for an object or a view layer that does not exist, an object that cannot be baked, a
-    shared atlas with the name of an object that has no part in it, files that would be lost or cannot be
-    written, exports that are not possible, and if the bake to `resume` differs or is finished.
+    shared atlas with the name of an object with faces that has no part in it, files that would be lost or
+    cannot be written, exports that are not possible, and if the bake to `resume` differs or is finished.
     """
     check_memory(spec)
     check_device(spec.device)
     items = [find_object(scene, each) for each in spec.objects or (name,)]
-    if spec.objects and name not in spec.objects and name in scene.objects:
+    named = scene.objects.get(name)
+    if spec.objects and name not in spec.objects and named is not None and may_have_faces(named):
         raise InputError(
             f"the atlas cannot be called '{name}', as an object that has no part in it",
             do("give it another name", Setting.TOGETHER),

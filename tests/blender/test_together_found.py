@@ -20,6 +20,8 @@ from radtex_addon.export.exporting import export_steps
 from radtex_addon.export.gltf import to_gltf
 from radtex_addon.formats.containers.glb import Glb
 from radtex_addon.job import bake_object
+from radtex_addon.job.assets import find_assets, read_shown
+from radtex_addon.job.layout_choice import OpenLayout
 from radtex_addon.job.variants import variants_in
 from radtex_addon.preview.swap import copy_of
 from radtex_addon.report.finished_bake import find_bakes
@@ -186,6 +188,27 @@ def test_the_atlas_is_exported_by_its_name_and_into_one_folder(out: Path, tmp_pa
         ops.radtex.export(overwrite=True, **chosen)
     with pytest.raises(RuntimeError, match="No object 'Hall' in view layer"):
         ops.radtex.export(object="Hall", **chosen)
+
+
+@pytest.mark.usefixtures("window")
+def test_an_atlas_may_be_called_like_the_empty_that_holds_its_objects(out: Path, tmp_path: Path) -> None:
+    """As in what glTF files bring: it is named by that."""
+    room()
+    root = bpy.data.objects.new("Room", None)
+    context.scene.collection.objects.link(root)
+    for name in ROOM:
+        context.scene.objects[name].parent = root
+    context.view_layer.update()
+    (asset,) = find_assets(
+        context.scene, tuple(ROOM), TOGETHER, OpenLayout(), None, read_shown(context.scene)
+    )
+    assert asset.name == "Room"
+    bake("Room", TOGETHER, out)
+    chosen = {"object": "Room", "bake": str(out)}
+    assert ops.radtex.export(target="raw", directory=str(tmp_path / "one"), **chosen) == {"FINISHED"}
+    assert (tmp_path / "one" / "Room.export.json").is_file()
+    assert ops.radtex.preview_toggle(**chosen) == {"FINISHED"}
+    assert all(copy_of(context.scene.objects[name]) is not None for name in ROOM)
 
 
 def test_an_atlas_cannot_be_called_as_a_stranger(out: Path) -> None:

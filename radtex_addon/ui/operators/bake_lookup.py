@@ -34,10 +34,8 @@ def originals(
 
     if name:
         check_only_one(layer.objects, name)
-        chosen = [item for item in layer.objects if item.name == name]
-        if not chosen and scene is not None:
-            shared = sharing(layer, name, scene, bake)
-            chosen = [item for item in layer.objects if item.name in shared]
+        shared = () if scene is None else sharing(layer, name, scene, bake)
+        chosen = [item for item in layer.objects if item.name in (shared or (name,))]
         if not chosen:
             raise InputError(f"no object '{name}' in view layer '{layer.name}': name one that is there")
     else:
@@ -48,13 +46,16 @@ def originals(
 
 
 def sharing(layer: bpy.types.ViewLayer, name: str, scene: bpy.types.Scene, bake: str) -> tuple[str, ...]:
-    """Names of the objects of the shared atlas `name`; empty if there is none, or an object has that name."""
+    """Names of the objects of the shared atlas `name`; empty if there is none, or an object has that name.
+
+    But for what has no faces, such as an empty that holds the objects.
+    """
     from ...core.errors import RadTexError
     from ...formats.sidecar_file import read_facts
     from ...job.variants import variants_in
     from ...report.shown import shown_bake
 
-    if not name or any(item.name == name for item in layer.objects):
+    if not name or any(item.name == name and may_have_faces(item) for item in layer.objects):
         return ()
     kind = settings_for(scene, name).kind
     try:
