@@ -185,6 +185,19 @@ def test_objects_in_one_atlas_keep_their_own_islands() -> None:
         assert share.std() < 0.05 * share.mean()  # the same shape, but for sides on whole texels
 
 
+def test_islands_are_kept_where_all_others_have_no_area() -> None:
+    """As of a thin plate in a model that was made for another program."""
+    item = quads((0, 0, 0.3), (0.5, 0, 0.3))
+    for vertex, z in zip(item.data.vertices[4:], (0, 0, 0, 1e-9), strict=True):
+        vertex.co.z = z
+    for corner in item.data.uv_layers.active.data[4:]:
+        corner.uv.y = 0
+    ((mesh,), made) = unwrapped(item)
+    assert made.parts[0].islands == 1
+    assert np.isfinite(made.uvs[0]).all()
+    assert share_of(mesh, made.uvs[0]) > 0.5
+
+
 def test_an_island_that_lies_over_itself_is_not_kept() -> None:
     item = ball()
     layer = item.data.uv_layers.active

@@ -58,6 +58,7 @@ _LEAST_INTERIOR = (
 _ENOUGH = 0.45  # share of the atlas that artist's islands cover: then no other unwrap is tried
 _EXACT = 0.01  # share by which a density may differ from what is asked for
 _PACKINGS = 5  # tries to come that near
+_NOTHING = 1e-9  # of a surface's area: so much is none
 _TOLERATED_OVERLAP = 1e-3  # share of the covered area: less overlap is only a few slivers
 
 
@@ -246,7 +247,8 @@ def _with_artist_islands(
     if own.interior(density) < _LEAST_INTERIOR * own.area * density**2:
         log.info("the islands of the UV layer of '%s' are too small for so few texels", evaluated.name)
         return []
-    if not rest.any():
+    area = areas_on_surface(evaluated.world_position, evaluated.triangles)
+    if not area[rest].sum() > _NOTHING * area.sum():  # triangles without area belong to no island
         return [own]
     tries = yield from _flattened(taken(evaluated, rest), texels, method, options)
     found = []
@@ -266,7 +268,7 @@ def _flattened(
         return [flatten_with_blender(evaluated, options)]
     if method is Unwrap.UVUNWRAP:
         flat = yield from flatten_with_uvunwrap(evaluated, options)
-        density = options.density or texels * math.sqrt(_COVERED / flat.area)
+        density = options.density or texels * math.sqrt(_COVERED / max(flat.area, 1e-30))
         tries = [flat, *(yield from merge_flat(evaluated, flat, 1 / density, options))]
         if len(evaluated.triangles) <= _QUICK:
             tries.append(flatten_with_blender(evaluated, options))
