@@ -74,7 +74,7 @@ class OwnRays:
         light = None if self.light is None else self.light[left]
         return replace(self, hit=self.hit & ~some, met=self.met[left], place=self.place[left], light=light)
 
-    def with_misled(self, misled: Bools, place: Floats, light: Floats, asked: Bools) -> OwnRays:
+    def with_misled(self, misled: Bools, place: Floats, light: Floats, asked: Bools | None) -> OwnRays:
         """Add rays (K, S) that are misled, M of them, each one's `place` (M, 3) and `light`; and `asked`."""
         hit = self.hit | misled
         was = self.hit[hit]

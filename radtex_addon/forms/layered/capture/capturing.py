@@ -393,8 +393,8 @@ class _Captures:
         if not kept:
             return own
         bare = own.without(cast(Bools, kept["shown"]))
-        rays, asked = (cast(Bools, kept[name]) for name in ("rays", "asked"))
-        return bare.with_misled(rays, kept["place"], kept["light"], asked)
+        asked = cast("Bools | None", kept.get("asked"))  # bakes that were begun earlier lack it
+        return bare.with_misled(cast(Bools, kept["rays"]), kept["place"], kept["light"], asked)
 
     def _exits(self, bodies: tuple[Body, ...], middle: Floats, radius: float, times: int) -> ExitSamples:
         side = max(self.prepared.width, self.prepared.height)
