@@ -20,8 +20,8 @@
 //
 // What a lookup costs. RADTEX_STEPS (0, 1, 2; default 1): fetches of distances. RADTEX_OWN_TAPS, RADTEX_REST_TAPS (3,
 // 4; default 3): cells of a bucket that are blended; RADTEX_OWN_TAPS is 0 where an object mirrors nothing of itself,
-// and the own layer is not read. RADTEX_SECOND_LOBE (0, 1; default 1): whether the second lobe is looked up, or materials have one lobe
-// in place of two.
+// and the own layer is not read. RADTEX_SECOND_LOBE (0, 1; default 1): whether the second lobe is looked up, or
+// materials have one lobe in place of two.
 //
 // RADTEX_STEADY: lobes are wider where normals differ from one pixel to the next, so that what is far away or sharply
 // curved does not shimmer. Its value is by how much: 0.16 is what a pixel covers, 4 times a twelfth for each of two

@@ -117,15 +117,15 @@ def find_misled(
     return Misled(rays, place, light, shown, asked)
 
 
-def _traced(rays: Bools, asked: Bools, most: int) -> Bools:
-    """Which of the M `rays` (K, S) are traced, (M,): those `asked` (M,), of texels evenly spread.
+def _traced(rays: Bools, unknown: Bools, most: int) -> Bools:
+    """Which of the M `rays` (K, S) are traced, (M,): those `unknown` (M,), of texels evenly spread.
 
     At most so many a texel as `most`, on average of all texels.
     """
-    traced = np.zeros(len(asked), dtype=bool)
-    texels, number = np.unique(np.nonzero(rays)[0][asked], return_inverse=True)
+    traced = np.zeros(len(unknown), dtype=bool)
+    texels, number = np.unique(np.nonzero(rays)[0][unknown], return_inverse=True)
     share = most * len(rays) / max(rays.shape[1] * len(texels), 1)
-    traced[asked] = _spread(len(texels), min(1.0, share))[number]
+    traced[unknown] = _spread(len(texels), min(1.0, share))[number]
     return traced
 
 

@@ -153,12 +153,10 @@ class _Fit:
         """The numbers of cells that show a part of the buckets best."""
         part = self.surface.grid.part
         half = random_half(self.used.shape, _SEED)
-        models = [self.model(part, cells) for cells, _ in choices]
-        shown = self.shown(models)
-        errors = [
-            self.error(model, told, cells, half, shown[0])
-            for model, told, (_, cells) in zip(models, shown, choices, strict=True)
-        ]
+        models = {cells: self.model(part, cells) for cells, _ in choices}
+        shown = dict(zip(models, self.shown(list(models.values())), strict=True))
+        judge = shown[choices[0][0]]
+        errors = [self.error(models[own], shown[own], cells, half, judge) for own, cells in choices]
         handicap = [1.0 if choice in CLEAR else 1 + _TELLS for choice in choices]
         return choices[int(np.argmin(np.multiply(errors, handicap)))]
 
