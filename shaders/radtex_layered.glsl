@@ -28,7 +28,7 @@
 // axes, as a mirror doubles angles; more is steadier, and softer. In the pixel's stage alone, and never where pixels go
 // different ways.
 //
-// Textures, one for each layer, are clamped to their edges and filtered linearly; world, plane and things have mip
+// Textures, one for each layer, are clamped to their edges and filtered linearly; irradiance and pictures have mip
 // levels, filtered linearly, too. v = 0 is the first row. A range is the share of a texture's width and height that is
 // no padding, and scale and offset: a value is texel * scale + offset, but for the alpha of own, plane and things.
 // Uniforms are the same for all materials, but for radtex_material, radtex_lobes and radtex_gloss: draw one material
@@ -72,7 +72,8 @@ precision highp sampler2D;
 #ifndef RADTEX_DECLARED
 // By N.V: the falloff, and the sine by which lobes bend towards the normal.
 uniform vec4 radtex_material[16 * RADTEX_MATERIALS];
-uniform sampler2D radtex_irradiance_map, radtex_rest_map;
+uniform sampler2D radtex_irradiance_map;
+uniform sampler2D radtex_rest_map;
 uniform vec4 radtex_irradiance_range;  // part of width and height, scale, offset
 uniform vec4 radtex_rest_range;  // the size of a tile in place of the part
 uniform vec4 radtex_rest_tile;  // size of a tile without its padding, and half a texel, in units of a tile

@@ -32,7 +32,7 @@
 // axes, as a mirror doubles angles; more is steadier, and softer. In the pixel's stage alone, and never where pixels go
 // different ways.
 //
-// Textures, one for each layer, are clamped to their edges and filtered linearly; world, plane and things have mip
+// Textures, one for each layer, are clamped to their edges and filtered linearly; irradiance and pictures have mip
 // levels, filtered linearly, too. v = 0 is the first row, or with RADTEX_TOP_DOWN the last one. A range is the share of
 // a texture's width and height that is no padding, and scale and offset: a value is texel * scale + offset, but for the
 // alpha of own, plane and things.

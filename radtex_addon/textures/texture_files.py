@@ -42,18 +42,22 @@ def write_image(
     check_limit(source, width, height, spec)
     if spec.format is TextureFormat.EXR:
         return copy_exr(source, folder, (width, height), Arranged.IMAGE, (width, height))
-    return write_levels(source, (image,), spec, folder, straddled, exact)
+    return write_levels(source, (image,), (width, height), spec, folder, straddled, exact)
 
 
 def write_levels(
     source: Path,
     levels: tuple[Floats, ...],
+    texels: tuple[int, int],
     spec: ExportSpec,
     folder: Path,
     straddled: Message | None,
     exact: bool = False,
 ) -> TextureEntry:
-    """Write mip levels (H, W, C), the largest first, as a texture, as `write_image` does; never as an EXR."""
+    """Write mip levels (H, W, C), the largest first, as a texture, as `write_image` does; never as an EXR.
+
+    `texels`: the width and height of the image; the first level may have more at its end.
+    """
     image = levels[0]
     height, width = image.shape[:2]
     check_limit(source, width, height, spec)
@@ -63,7 +67,7 @@ def write_levels(
     if kind is PixelFormat.BC6H and len(levels) == 1:
         levels = (np.pad(image, ((0, -height % _BLOCK), (0, -width % _BLOCK), (0, 0)), mode="edge"),)
     texture = encode_texture([level[None] for level in levels], kind)
-    return _write_image(source, container, texture, (width, height), spec, folder)
+    return _write_image(source, container, texture, texels, spec, folder)
 
 
 def write_ranged(

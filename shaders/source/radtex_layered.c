@@ -77,7 +77,7 @@
 // axes, as a mirror doubles angles; more is steadier, and softer. In the pixel's stage alone, and never where pixels go
 // different ways.
 //
-// Textures, one for each layer, are clamped to their edges and filtered linearly; world, plane and things have mip
+// Textures, one for each layer, are clamped to their edges and filtered linearly; irradiance and pictures have mip
 @end
 @in hlsl
 // levels, filtered linearly, too. v = 0 is the first row, or with RADTEX_TOP_DOWN the last one. A range is the share of
@@ -156,7 +156,8 @@ precision highp sampler2D;
 @in glsl godot
 // By N.V: the falloff, and the sine by which lobes bend towards the normal.
 uniform vec4 radtex_material[16 * RADTEX_MATERIALS];
-uniform sampler2D radtex_irradiance_map, radtex_rest_map;
+uniform mipmapped sampler2D radtex_irradiance_map;
+uniform sampler2D radtex_rest_map;
 uniform vec4 radtex_irradiance_range;  // part of width and height, scale, offset
 uniform vec4 radtex_rest_range;  // the size of a tile in place of the part
 uniform vec4 radtex_rest_tile;  // size of a tile without its padding, and half a texel, in units of a tile

@@ -13,12 +13,12 @@ import pytest
 
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import InputError
-from radtex_addon.formats.containers.texture import PixelFormat, Texture
+from radtex_addon.formats.containers.texture import PixelFormat, Texture, decode_texture
 from radtex_addon.formats.json_reader import Facts
 from radtex_addon.formats.sidecar_file import SidecarFile
 from radtex_addon.forms import form_in
 from radtex_addon.forms.layered.blocks import FORMATS, Coded, coded
-from radtex_addon.forms.layered.files.arrangement import CHANNELS, OWN, PICTURES, REST, packed
+from radtex_addon.forms.layered.files.arrangement import CHANNELS, IRRADIANCE, OWN, PICTURES, REST, packed
 from radtex_addon.forms.layered.files.layered_files import atlas_of, read_layered, write_layered
 from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas, sample_layered
 from radtex_addon.forms.layered.shader_values import exported_facts
@@ -64,11 +64,31 @@ def test_by_itself_all_but_rays_are_in_blocks(tmp_path: Path, target: Target) ->
     assert list(entries) == list(CHANNELS)
     for layer, entry in entries.items():
         assert (entry.format, entry.container) == (FORMATS.get(layer, HALF), container), layer
-        assert (entry.levels > 1) == (layer in PICTURES)
+        assert (entry.levels > 1) == (layer in (*PICTURES, IRRADIANCE))
         texture_of(tmp_path / f"{target}-auto", entry)
     whole = sum((tmp_path / f"{target}-auto" / entry.file).stat().st_size for entry in entries.values())
     assert "RADTEX_SRGB" not in exported_facts(SidecarFile.read(sidecar).facts.values, entries)["defines"]
     print(f"{target}: {whole} bytes")
+
+
+def test_levels_of_irradiance_are_means_of_what_is_seen(tmp_path: Path) -> None:
+    """Of 36 x 40 texels, none of them black but those that nobody sees, in the left half."""
+    light = np.zeros((36, 40, 3), np.float32)
+    light[:, 20:] = np.random.default_rng(3).uniform(0.5, 2, (36, 20, 3))
+    sidecar, atlas = tmp_path / "Vase.radiance.json", replace(atlas_called("bare"), irradiance=light)
+    write_layered(sidecar, atlas, replace(FACTS, width=40, height=36))
+    file = SidecarFile.read(sidecar)
+    spec = ExportSpec(Target.WEB, format=TextureFormat.KTX2_RGBA16F)
+    entry = form_in(file.facts).write_textures(file, spec, tmp_path)[IRRADIANCE]
+    texture = texture_of(tmp_path, entry)
+    assert (entry.texels, entry.size, entry.levels) == ((40, 36), (40, 36), 6)
+    levels = [level[0, ..., :3] for level in decode_texture(texture)]
+    means = light.reshape(18, 2, 20, 2, 3).mean(axis=(1, 3))
+    assert np.allclose(levels[0], light, rtol=2e-3)
+    assert np.allclose(levels[1][:, 10:], means[:, 10:], rtol=2e-3)
+    for level in levels[1:]:  # what nobody sees has the light of what lies around
+        assert level.min() > 0.5
+    assert np.allclose(levels[-1], light[:, 20:].mean(axis=(0, 1)), rtol=0.1)
 
 
 @pytest.mark.parametrize("name", ["everything", "clear", "bare"])

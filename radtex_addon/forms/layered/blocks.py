@@ -98,18 +98,19 @@ def fits_blocks(layer: str, image: Floats) -> bool:
     return layer not in _WIDEST or _range(layer, image)[0] <= _WIDEST[layer]
 
 
-def coded(layer: str, levels: tuple[Floats, ...]) -> Coded:
+def coded(layer: str, levels: tuple[Floats, ...], texels: tuple[int, int] | None = None) -> Coded:
     """The mip levels (H, W, C) of a layer, linear, the largest first, in blocks.
 
-    A single level is filled up to whole blocks by its last column and row; a map that is the same everywhere
-    becomes one block. Raises KeyError for a layer that has no format, InputError for values that are not
+    `texels`: the width and height of the image, if the first level has more at its end. A single level is
+    filled up to whole blocks by its last column and row; a map that is the same everywhere becomes one block.
+    Raises KeyError for a layer that has no format, InputError for values that are not
     numbers.
     """
     kind, image = FORMATS[layer], levels[0]
     if layer in _MAPS and (image == image[0, 0]).all():
         image = image[: kind.side, : kind.side]
-        levels = (image,)
-    texels = (image.shape[1], image.shape[0])
+        levels, texels = (image,), None
+    texels = texels or (image.shape[1], image.shape[0])
     if len(levels) == 1:
         more = [(0, -side % kind.side) for side in image.shape[:2]]
         levels = (np.pad(image, [*more, (0, 0)], mode="edge"),)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A layered bake as textures, with the mip levels of its surroundings, and as a flat lightmap.
+"""A layered bake as textures, with mip levels of its surroundings and irradiance, and as a flat lightmap.
 
 Flat is each texel's mean light over the hemisphere. The gutters of `own_texels` show which UV layer the bake
 is of.
@@ -40,6 +40,7 @@ from .shader_values import CLEAR_ALPHA
 
 _DIRECTIONS = 64  # from which each texel is looked at
 _EACH = 8  # directions between two reports of progress
+_SMALLEST = 8  # texels along the shorter side of the last level of irradiance that is half of the one before
 _LIGHT = frozenset({COLOUR, IRRADIANCE, TINT, WORLD})  # colours without alpha, never below 0
 
 
@@ -127,35 +128,75 @@ def _is_in_blocks(layer: str, spec: ExportSpec) -> bool:
 
 
 def _to_one_texel(levels: tuple[Floats, ...]) -> tuple[Floats, ...]:
-    """Mip levels down to one texel, as some engines want them; no lookup reads those that are added."""
-    while len(levels[-1]) > 1:
-        last = levels[-1]
-        side = len(last) // 2
-        levels = (*levels, last.reshape(side, 2, side, 2, -1).mean(axis=(1, 3)))
+    """Mip levels down to one texel, as some engines want them; of pictures no lookup reads those added."""
+    while max(levels[-1].shape[:2]) > 1:
+        levels = (*levels, _halved(levels[-1]))
     return levels
+
+
+def _halved(level: Floats) -> Floats:
+    """Means of two by two texels; an odd row or column, unless it is the only one, is left out."""
+    for axis in (0, 1):
+        pairs = level.shape[axis] // 2
+        if pairs:
+            level = level.take(range(2 * pairs), axis)
+            level = level.reshape(*level.shape[:axis], pairs, 2, *level.shape[axis + 1 :]).mean(axis=axis + 1)
+    return level
+
+
+def _levels_of_seen(image: Floats) -> tuple[Floats, ...]:
+    """The mip levels of irradiance (H, W, 3), padded at its end so that each is half of the one before.
+
+    A texel is the mean of those below it that are not black, as what nobody sees is, or where all are, what
+    lies there on the next level: so no edge darkens. What is the same everywhere has one level.
+    """
+    if (image == image[0, 0]).all():
+        return (image,)
+    halvings = max(0, int(np.log2(min(image.shape[:2]) / _SMALLEST)))
+    more = [(0, -side % 2**halvings) for side in image.shape[:2]]
+    whole = np.pad(image, [*more, (0, 0)], mode="edge")
+    seen = whole.any(axis=2, keepdims=True).astype(np.float32)
+    sums, parts = _to_one_texel((whole,))[1:], _to_one_texel((seen,))[1:]
+    above = whole.sum(axis=(0, 1), keepdims=True) / seen.sum()
+    levels: list[Floats] = []
+    for total, part in zip(reversed(sums), reversed(parts), strict=True):
+        places = zip(part.shape[:2], above.shape[:2], strict=True)
+        rows, columns = (np.minimum(np.arange(here) // 2, there - 1) for here, there in places)
+        above = np.where(part > 0, total / np.maximum(part, 1e-9), above[np.ix_(rows, columns)])
+        levels.append(above)
+    return (whole, *reversed(levels))
 
 
 def _write_layer(
     sidecar: SidecarFile, facts: LayeredSidecar, layer: str, spec: ExportSpec, folder: Path
 ) -> TextureEntry:
     source, image = layer_path(sidecar.path, layer), read_layer(sidecar.path, facts, layer)
+    texels = (image.shape[1], image.shape[0])
     levels: tuple[Floats, ...] = (image.astype(np.float32),)
     if layer in facts.pictures:
         picture = facts.pictures[layer]
         levels = _to_one_texel(unpacked(levels[0], picture.size, picture.levels))
+        texels = (picture.size, picture.size)
+    elif layer == IRRADIANCE:
+        levels = _levels_of_seen(levels[0])
     # a shader that decodes colours decodes all of them
     always = layer in CLEAR_ALPHA and not spec.target.traits.srgb
     if _is_in_blocks(layer, spec) and (always or fits_blocks(layer, levels[0])):
-        return _write_blocks(source, layer, levels, spec, folder)
+        return _write_blocks(source, layer, levels, texels, spec, folder)
     if image.shape[2] == 1:  # as grey
         levels = tuple(np.repeat(level, 3, axis=2) for level in levels)
-    return write_levels(source, levels, spec, folder, None, exact=layer not in _LIGHT)
+    return write_levels(source, levels, texels, spec, folder, None, exact=layer not in _LIGHT)
 
 
 def _write_blocks(
-    source: Path, layer: str, levels: tuple[Floats, ...], spec: ExportSpec, folder: Path
+    source: Path,
+    layer: str,
+    levels: tuple[Floats, ...],
+    texels: tuple[int, int],
+    spec: ExportSpec,
+    folder: Path,
 ) -> TextureEntry:
-    found = coded(layer, levels)
+    found = coded(layer, levels, texels)
     texture = found.texture
     if not spec.target.traits.srgb:  # the shader decodes them
         texture = replace(texture, format=texture.format.without_srgb)
