@@ -175,19 +175,19 @@ uniform sampler2D radtex_bump_map : filter_linear_mipmap_anisotropic, repeat_ena
 @end
 @in glsl godot
 #else
-uniform sampler2D radtex_colour_map;
+uniform mipmapped sampler2D radtex_colour_map;
 uniform vec4 radtex_colour_range;
 #ifdef RADTEX_TINT
-uniform sampler2D radtex_tint_map;
+uniform mipmapped sampler2D radtex_tint_map;
 uniform vec4 radtex_tint_range;
 #endif
 #ifdef RADTEX_NORMAL
-uniform sampler2D radtex_normal_map;
+uniform mipmapped sampler2D radtex_normal_map;
 uniform vec4 radtex_normal_range;
 #endif
 #endif
 #ifdef RADTEX_ALPHA
-uniform sampler2D radtex_alpha_map;
+uniform mipmapped sampler2D radtex_alpha_map;
 uniform vec4 radtex_alpha_range;
 #endif
 #ifdef RADTEX_MIRRORS
@@ -201,7 +201,7 @@ uniform sampler2D radtex_own_map;
 uniform vec4 radtex_own_range, radtex_own_tile;
 #endif
 #ifdef RADTEX_WIDTH
-uniform sampler2D radtex_width_map;
+uniform mipmapped sampler2D radtex_width_map;
 uniform vec4 radtex_width_range;
 #endif
 #endif

@@ -56,7 +56,8 @@ override RADTEX_EXIT_TAPS: i32 = 16;
 
 @end
 @in glsl godot
-uniform sampler2D radtex_exit_direction_map, radtex_exit_place_map, radtex_through_colour_map, radtex_through_rest_map;
+uniform sampler2D radtex_exit_direction_map, radtex_exit_place_map, radtex_through_rest_map;
+uniform mipmapped sampler2D radtex_through_colour_map;
 uniform vec4 radtex_exit_direction_range, radtex_exit_place_range, radtex_exit_tile;
 uniform vec4 radtex_through_colour_range, radtex_through_rest_range, radtex_through_rest_tile;
 @end

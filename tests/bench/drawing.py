@@ -25,9 +25,9 @@ uniform mat4 seen;
 in vec3 in_position, in_normal;
 in vec4 in_tangent;
 in vec2 in_uv;
-out vec3 position, normal;
-out vec4 tangent;
-out vec2 uv;
+centroid out vec3 position, normal;
+centroid out vec4 tangent;
+centroid out vec2 uv;
 void main() {
     gl_Position = seen * vec4(in_position, 1.0);
     position = in_position;
@@ -38,9 +38,9 @@ void main() {
 """
 _FRAGMENT = """
 uniform vec3 camera;
-in vec3 position, normal;
-in vec4 tangent;
-in vec2 uv;
+centroid in vec3 position, normal;
+centroid in vec4 tangent;
+centroid in vec2 uv;
 out vec4 result;
 """
 

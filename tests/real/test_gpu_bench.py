@@ -18,6 +18,7 @@ from PIL import Image
 from tests.bench.drawing import canvas
 from tests.bench.gpu.__main__ import drawn, main, speed, table
 from tests.bench.gpu.lookups import lookups_of
+from tests.bench.gpu.stillness import main as film_all
 from tests.bench.gpu.subject import Subject, names
 from tests.bench.gpu.timing import Device, device
 
@@ -98,9 +99,9 @@ def test_lookups_of_an_object_show_the_same_thing(ran: tuple[dict[str, Any], Pat
 @pytest.mark.parametrize("times", [1, 2])
 def test_textures_in_blocks_show_the_same(opened: Device, times: int) -> None:
     """Blocks are what cards are given; larger bakes show what the small one does, more finely."""
-    subject, target = Subject.read("lights", times), canvas(opened.context, SIZE)
+    subject, target = Subject.read("rough", times), canvas(opened.context, SIZE)
     view = subject.view(SIZE)
-    plain = lookups_of(opened.context, Subject.read("lights"), blocks=False)
+    plain = lookups_of(opened.context, Subject.read("rough"), blocks=False)
     for name, lookup in lookups_of(opened.context, subject, blocks=True).items():
         found, expected = (drawn(way.painter, view, target)[..., :3] for way in (lookup, plain[name]))
         off = np.abs(found - expected).mean() / expected.mean()
@@ -167,3 +168,12 @@ def test_what_is_not_there_is_refused(
     with pytest.raises(SystemExit):
         main(words)
     assert says in capsys.readouterr().err
+
+
+def test_films_are_stiller_with_wider_lobes(opened: Device, capsys: pytest.CaptureFixture[str]) -> None:
+    """A bowl under a thin film, ten times as far away."""
+    film_all(["film"])
+    rows = [line.split(" | ") for line in capsys.readouterr().out.splitlines()[2:]]
+    assert [row[1] for row in rows] == ["RadTex", "RadTex, without RADTEX_STEADY", "physically based"]
+    steady, plain, _ = (float(row[-1].strip(" |")) for row in rows)
+    assert steady > plain + 1
