@@ -36,7 +36,7 @@
 // radtex_layered_of.
 //
 // RADTEX_DECLARED: you declare the uniforms before, in blocks if you like, as Vulkan must have it.
-// RADTEX_NO_DERIVATIVES: for stages other than the fragment's.
+// RADTEX_NO_DERIVATIVES: for stages other than the fragment's, and for rays that end in the atlas.
 
 #ifdef GL_ES
 precision highp float;

@@ -42,7 +42,7 @@
 // Where things are bound. RADTEX_SAMPLER: a linear, clamped SamplerState that is declared before; without, there is
 // radtex_filtering. RADTEX_TEXTURE(k), RADTEX_BUFFER(k): what follows the declaration of the k-th texture or buffer,
 // such as `: register(t##k)`; without, the compiler chooses. RADTEX_DECLARED: you declare textures and buffers before.
-// RADTEX_NO_DERIVATIVES: for stages other than the pixel's.
+// RADTEX_NO_DERIVATIVES: for stages other than the pixel's, and for rays that end in the atlas.
 
 #ifndef RADTEX_LAYERED_HLSL
 #define RADTEX_LAYERED_HLSL

@@ -10,8 +10,8 @@
 // or, of an object that light comes through, what radtex_layered_through.wgsl adds.
 //
 // What the bake has and what a lookup costs is overridden when a pipeline is made, which leaves out what is not needed.
-// Textures, one for each layer, have mip levels if they are the world's, the plane's or the things'; in place of one
-// that the bake lacks, any of 1 x 1 is bound. The sampler clamps to the edge and filters linearly, between levels, too.
+// Textures, one for each layer, have mip levels if they are the world's, the plane's or the things'; others' are not
+// read. In place of one that the bake lacks, any of 1 x 1 is bound. The sampler clamps to the edge and filters linearly, between levels, too.
 // v = 0 is the first row. A range is the share of a texture's width and height that is no padding, and scale and
 // offset: a value is texel * scale + offset, but for the alpha of own, plane and things. `radtex` is the same for all
 // materials, radtex_of is of one: draw one material at a time. For another group of bindings, replace "@group(1)".

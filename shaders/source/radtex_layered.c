@@ -38,8 +38,8 @@
 //
 @in wgsl
 // What the bake has and what a lookup costs is overridden when a pipeline is made, which leaves out what is not needed.
-// Textures, one for each layer, have mip levels if they are the world's, the plane's or the things'; in place of one
-// that the bake lacks, any of 1 x 1 is bound. The sampler clamps to the edge and filters linearly, between levels, too.
+// Textures, one for each layer, have mip levels if they are the world's, the plane's or the things'; others' are not
+// read. In place of one that the bake lacks, any of 1 x 1 is bound. The sampler clamps to the edge and filters linearly, between levels, too.
 // v = 0 is the first row. A range is the share of a texture's width and height that is no padding, and scale and
 // offset: a value is texel * scale + offset, but for the alpha of own, plane and things. `radtex` is the same for all
 // materials, radtex_of is of one: draw one material at a time. For another group of bindings, replace "@group(1)".
@@ -89,7 +89,7 @@
 // Where things are bound. RADTEX_SAMPLER: a linear, clamped SamplerState that is declared before; without, there is
 // radtex_filtering. RADTEX_TEXTURE(k), RADTEX_BUFFER(k): what follows the declaration of the k-th texture or buffer,
 // such as `: register(t##k)`; without, the compiler chooses. RADTEX_DECLARED: you declare textures and buffers before.
-// RADTEX_NO_DERIVATIVES: for stages other than the pixel's.
+// RADTEX_NO_DERIVATIVES: for stages other than the pixel's, and for rays that end in the atlas.
 
 #ifndef RADTEX_LAYERED_HLSL
 #define RADTEX_LAYERED_HLSL
@@ -104,7 +104,7 @@
 @in glsl
 //
 // RADTEX_DECLARED: you declare the uniforms before, in blocks if you like, as Vulkan must have it.
-// RADTEX_NO_DERIVATIVES: for stages other than the fragment's.
+// RADTEX_NO_DERIVATIVES: for stages other than the fragment's, and for rays that end in the atlas.
 
 #ifdef GL_ES
 precision highp float;
@@ -113,6 +113,8 @@ precision highp sampler2D;
 #endif
 
 @in godot
+//
+// RADTEX_NO_DERIVATIVES: for rays that end in the atlas, whose places have nothing to do with those of pixels nearby.
 
 #ifndef RADTEX_TINY
 #define RADTEX_TINY exp2(-100.0)  // 1e-30; Godot passes literals on with 14 decimals only
@@ -429,14 +431,22 @@ vec4 radtex_map(sampler2D image, vec4 range, vec2 uv) {
 @in wgsl
     return textureSampleLevel(image, radtex_filtering, uv * range.xy, 0.0) * range.z + range.w;
 @in godot
+#ifdef RADTEX_NO_DERIVATIVES
+    return textureLod(image, uv * range.xy, 0.0) * range.z + range.w;
+#else
     return texture(image, uv * range.xy) * range.z + range.w;
+#endif
 @end
 }
 
 // The same of a map of colours.
 vec3 radtex_colours(sampler2D image, vec4 range, vec2 uv) {
 @in godot
+#ifdef RADTEX_NO_DERIVATIVES
+    return radtex_decoded(textureLod(image, uv * range.xy, 0.0)).rgb * range.z + range.w;
+#else
     return radtex_decoded(texture(image, uv * range.xy)).rgb * range.z + range.w;
+#endif
 @else
     return radtex_map(image, range, uv).rgb;
 @end

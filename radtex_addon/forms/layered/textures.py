@@ -40,7 +40,6 @@ from .shader_values import CLEAR_ALPHA
 
 _DIRECTIONS = 64  # from which each texel is looked at
 _EACH = 8  # directions between two reports of progress
-_SMALLEST = 8  # texels along the shorter side of the last level of irradiance that is half of the one before
 _LIGHT = frozenset({COLOUR, IRRADIANCE, TINT, WORLD})  # colours without alpha, never below 0
 
 
@@ -144,18 +143,20 @@ def _halved(level: Floats) -> Floats:
     return level
 
 
-def _levels_of_seen(image: Floats) -> tuple[Floats, ...]:
-    """The mip levels of irradiance (H, W, 3), padded at its end so that each is half of the one before.
+def _levels_of_seen(image: Floats, colour: Floats, side: int) -> tuple[Floats, ...]:
+    """The mip levels of irradiance (H, W, 3), padded at its end to whole blocks of `side` x `side` texels.
 
-    A texel is the mean of those below it that are not black, as what nobody sees is, or where all are, what
-    lies there on the next level: so no edge darkens. What is the same everywhere has one level.
+    A texel is the mean of those below it that somebody sees, or where nobody does, what lies there on the
+    next level: so no edge darkens. What nobody sees is black, and so is its `colour` (H', W', 3), which is as
+    fine or finer. What is the same everywhere has one level.
     """
     if (image == image[0, 0]).all():
         return (image,)
-    halvings = max(0, int(np.log2(min(image.shape[:2]) / _SMALLEST)))
-    more = [(0, -side % 2**halvings) for side in image.shape[:2]]
-    whole = np.pad(image, [*more, (0, 0)], mode="edge")
-    seen = whole.any(axis=2, keepdims=True).astype(np.float32)
+    height, width = image.shape[:2]
+    coloured = covered_in_coarser(colour.any(axis=2), (height, width), len(colour) / height)
+    more = [(0, -height % side), (0, -width % side), (0, 0)]
+    whole = np.pad(image, more, mode="edge")
+    seen = np.pad((image.any(axis=2) | coloured)[..., None], more, mode="edge").astype(np.float32)
     sums, parts = _to_one_texel((whole,))[1:], _to_one_texel((seen,))[1:]
     above = whole.sum(axis=(0, 1), keepdims=True) / seen.sum()
     levels: list[Floats] = []
@@ -178,7 +179,8 @@ def _write_layer(
         levels = _to_one_texel(unpacked(levels[0], picture.size, picture.levels))
         texels = (picture.size, picture.size)
     elif layer == IRRADIANCE:
-        levels = _levels_of_seen(levels[0])
+        colour = read_layer(sidecar.path, facts, COLOUR)
+        levels = _levels_of_seen(levels[0], colour, FORMATS[layer].side if _is_in_blocks(layer, spec) else 1)
     # a shader that decodes colours decodes all of them
     always = layer in CLEAR_ALPHA and not spec.target.traits.srgb
     if _is_in_blocks(layer, spec) and (always or fits_blocks(layer, levels[0])):

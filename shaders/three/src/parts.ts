@@ -177,7 +177,7 @@ function layeredParts(
   }
   if (stage === "mesh") told.push(`#define RADTEX_STEADY ${STEADY}`);
   // A picture of one point has no derivatives.
-  if (!ofImages || stage !== "mesh") told.push("#define RADTEX_NO_DERIVATIVES");
+  if (stage !== "mesh") told.push("#define RADTEX_NO_DERIVATIVES");
   // The surface's frame is for the inspector alone.
   const framed = stage === "bucket" || stage === "probe";
   const lookups = [framed ? bucketLookups : "", layeredLookups, through ? throughLookups : "", layeredLight];

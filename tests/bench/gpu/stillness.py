@@ -94,11 +94,11 @@ def _film(painter: Painter, subject: Subject, target: Canvas, times: float) -> I
 
 def _still(film: list[Floats]) -> float:
     """The mean PSNR of one frame against the next, where both show the object."""
-    pairs = pairwise(film)
-    whole = [
-        (one[..., :3], other[..., :3], (one[..., 3] == 1) & (other[..., 3] == 1)) for one, other in pairs
-    ]
-    return float(np.mean([psnr(*each) for each in whole]))
+    found = []
+    for one, other in pairwise(film):
+        both = (one[..., 3] == 1) & (other[..., 3] == 1)
+        found.append(psnr(one[..., :3].astype(np.float64), other[..., :3].astype(np.float64), both))
+    return float(np.mean(found))
 
 
 if __name__ == "__main__":

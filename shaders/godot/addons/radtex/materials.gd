@@ -189,6 +189,7 @@ static func _mirror(facts: Dictionary, textures: Textures) -> Recipe:
 		_put_materials(recipe, facts.shader.materials)
 		clear = recipe.defines.has("RADTEX_ALPHA")
 		recipe.defines["LAYERED"] = 1
+		recipe.defines["RADTEX_NO_DERIVATIVES"] = 1
 		if recipe.defines.has("RADTEX_MIRRORS") or recipe.defines.has("RADTEX_THROUGH"):
 			recipe.defines["SURROUNDED"] = 1
 	else:

@@ -18,7 +18,7 @@ def texture_bytes(atlas: LayeredAtlas) -> int:
 
     Without material maps: colour, tint and normals, which an engine may take from its own material.
     """
-    total = _BYTE * _pixels(atlas.irradiance) + _BYTE * _MIPS * _pixels(atlas.around.world.levels[0])
+    total = _BYTE * _MIPS * (_pixels(atlas.irradiance) + _pixels(atlas.around.world.levels[0]))
     for layer in atlas.around.layers:
         things = isinstance(layer.shape, Impostor)
         side = min(len(layer.pictures.levels[0]), THINGS_SIZE if things else PLANE_SIZE)
