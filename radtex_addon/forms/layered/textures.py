@@ -134,12 +134,18 @@ def _to_one_texel(levels: tuple[Floats, ...]) -> tuple[Floats, ...]:
 
 
 def _halved(level: Floats) -> Floats:
-    """Means of two by two texels; an odd row or column, unless it is the only one, is left out."""
+    """Half as many rows and columns, rounded down: means of two texels, or three where a side is odd."""
     for axis in (0, 1):
-        pairs = level.shape[axis] // 2
-        if pairs:
-            level = level.take(range(2 * pairs), axis)
-            level = level.reshape(*level.shape[:axis], pairs, 2, *level.shape[axis + 1 :]).mean(axis=axis + 1)
+        count = level.shape[axis]
+        half = count // 2
+        place = np.arange(half)
+        if count % 2 == 0:
+            level = (level.take(2 * place, axis) + level.take(2 * place + 1, axis)) / 2
+        elif half:
+            parts = np.stack([half - place, np.full(half, half), place + 1]).astype(np.float32) / count
+            parts = parts.reshape(3, *(half if number == axis else 1 for number in range(level.ndim)))
+            first, second, third = (level.take(2 * place + k, axis) * parts[k] for k in range(3))
+            level = first + second + third
     return level
 
 
