@@ -22,6 +22,7 @@ from .operators.job_operators import (
     RADTEX_OT_cancel_here,
     RADTEX_OT_clear_jobs,
     RADTEX_OT_copy_report,
+    RADTEX_OT_fold_job,
     RADTEX_OT_fold_map,
     RADTEX_OT_open_folder,
 )
@@ -66,6 +67,7 @@ CLASSES = (
     RADTEX_OT_cancel_here,
     RADTEX_OT_clear_jobs,
     RADTEX_OT_copy_report,
+    RADTEX_OT_fold_job,
     RADTEX_OT_fold_map,
     RADTEX_OT_open_folder,
     RADTEX_OT_show_changes,

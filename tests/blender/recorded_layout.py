@@ -32,6 +32,10 @@ class RecordedLayout:
         _check("label", options)
         self.texts.append(options["text"])
 
+    def progress(self, **options: Any) -> None:
+        _check("progress", options)
+        self.texts.append(options["text"])
+
     def prop(self, data: Any, name: str, **options: Any) -> None:
         _check("prop", options)
         known = data.bl_rna.properties

@@ -161,14 +161,19 @@ def test_a_job_shows_its_own_bake_and_resumes_that_of_several_objects(out: Path,
     for name in ("radtex.preview_toggle", "radtex.compare", "radtex.export", "radtex.show_in_browser"):
         assert (drawn[name].object, drawn[name].bake) == ("Room", str(files[1]))
     jobs_panel._draw_job(failed, Job(2, order, JobState.FAILED))
-    assert [name for name, _ in failed.buttons] == ["radtex.clear_jobs", "radtex.bake", "radtex.copy_report"]
+    assert [name for name, _ in failed.buttons] == [
+        "radtex.fold_job",
+        "radtex.clear_jobs",
+        "radtex.bake",
+        "radtex.copy_report",
+    ]
     again = dict(failed.buttons)["radtex.bake"]
     assert (again.objects.split("\n"), again.atlas_name) == (list(ROOM), "Room")
     assert (again.together, again.texels, again.resume) == ("one", TOGETHER.texels, True)
     failed.buttons.clear()
     alone = order_bake(handover, "Left", TINY, out, Filter.NEAREST)
     jobs_panel._draw_job(failed, Job(3, alone, JobState.CANCELLED))
-    assert [name for name, _ in failed.buttons] == ["radtex.clear_jobs", "radtex.bake"]
+    assert [name for name, _ in failed.buttons] == ["radtex.fold_job", "radtex.clear_jobs", "radtex.bake"]
 
 
 @pytest.mark.usefixtures("window")

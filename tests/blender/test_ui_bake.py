@@ -20,12 +20,13 @@ from radtex_addon.settings.bake_history import read_history
 from radtex_addon.settings.estimate import Basis
 from radtex_addon.textures.export_spec import Target
 from radtex_addon.ui.jobs import bake_times, estimates, jobs
-from radtex_addon.ui.panel.jobs_panel import phrase, results
+from radtex_addon.ui.panel.jobs_panel import _draw_job, in_order, job_title, phrase, results
 from radtex_addon.ui.panel.labels import duration, size
 from radtex_addon.ui.settings.request import request_of, spec_of, values_of
 from radtex_addon.worker.job import JobState
 from tests.blender import stage
-from tests.blender.ui_stage import PATIENCE, context, ops, preferences, registered, settings
+from tests.blender.recorded_layout import RecordedLayout
+from tests.blender.ui_stage import PATIENCE, context, finish_jobs, ops, preferences, registered, settings
 
 
 @pytest.fixture(autouse=True)
@@ -211,3 +212,32 @@ def test_a_finished_bakes_time_is_remembered_and_expected_again() -> None:
     spec = spec_of(values_of(settings()))
     assert estimates._work_of(context.scene, "Card", spec).triangles == 8192
     bake_times.history_file().unlink()
+
+
+def test_the_list_has_what_runs_first_and_one_line_for_all_but_the_latest() -> None:
+    for number, name in enumerate(("Card", "Post", "Vase")):
+        plane(name, at=3 * number)
+    for name in ("Card", "Post", "Vase"):
+        values = values_of(settings()) | {"texels": 4, "bucket": 2, "samples": 1, "preview": False}
+        jobs.submit(context.scene, [plan_bakes(context.scene, request_of(values, (name,)))])
+    assert drawn() == [("Card", True), ("Post", False), ("Vase", False)]
+    finish_jobs()
+    assert drawn() == [("Vase", True), ("Post", False), ("Card", False)]
+    first = jobs.snapshot()[0].number
+    for unfolded in (True, False):
+        assert ops.radtex.fold_job(number=first) == {"FINISHED"}
+        assert drawn()[-1] == ("Card", unfolded)
+    ops.radtex.clear_jobs()
+
+
+def drawn() -> list[tuple[str, bool]]:
+    """The titles of the jobs as the panel draws them, and whether more of it is drawn."""
+    found = []
+    for job in in_order(jobs.snapshot()):
+        layout = RecordedLayout()
+        _draw_job(layout, job)
+        assert job_title(job) in layout.texts
+        found.append((job_title(job), not jobs.is_folded(job)))
+        if job.ended:
+            assert ("radtex.open_folder" in dict(layout.buttons)) is not jobs.is_folded(job)
+    return found

@@ -164,8 +164,10 @@ def submit(**choice: object) -> None:
 
 
 def drawn(number: int) -> RecordedLayout:
-    layout = RecordedLayout()
-    jobs_panel._draw_job(layout, jobs.snapshot()[number])
+    layout, job = RecordedLayout(), jobs.snapshot()[number]
+    if jobs.is_folded(job):
+        assert ops.radtex.fold_job(number=job.number) == {"FINISHED"}
+    jobs_panel._draw_job(layout, job)
     return layout
 
 
@@ -186,7 +188,11 @@ def test_a_job_says_so_once_other_files_are_in_the_place_of_its_own(out: Path, t
     finish_jobs()
     assert [fate(job.number) for job in jobs.snapshot()] == [Fate.REPLACED, Fate.THERE]
     assert "Other files have replaced its own since" in " ".join(drawn(0).texts)
-    assert {name for name, _ in drawn(0).buttons} == {"radtex.clear_jobs", "radtex.fold_map"}
+    assert {name for name, _ in drawn(0).buttons} == {
+        "radtex.fold_job",
+        "radtex.clear_jobs",
+        "radtex.fold_map",
+    }
     assert "radtex.export" in dict(drawn(1).buttons)
 
     assert jobs_panel.job_title(jobs.snapshot()[1]) == "Card"

@@ -53,7 +53,8 @@ class _Session:
 
     `queue` is None before the first job, so that enabling RadTex does not import the worker modules. `shown`
     is the last snapshot of the jobs; `completions` maps job numbers to completions, `begun` to the time when
-    each began, on the monotonic clock, `scenes` those of bakes to what is remembered of their scene.
+    each began, on the monotonic clock, `scenes` those of bakes to what is remembered of their scene, and
+    `folded` those that were folded or unfolded by hand to which of both.
     """
 
     queue: Queue | None = None
@@ -61,6 +62,7 @@ class _Session:
     scenes: dict[int, BakedScene] = field(default_factory=dict)
     shown: tuple[Job, ...] = field(default=())
     completions: dict[int, Completion] = field(default_factory=dict)
+    folded: dict[int, bool] = field(default_factory=dict)
 
 
 _session = _Session()
@@ -166,6 +168,27 @@ def snapshot() -> tuple[Job, ...]:
     return _session.shown
 
 
+def is_folded(job: Job) -> bool:
+    """Whether the panel is to show a job in one line.
+
+    Unless that was chosen by hand: jobs that wait, and those that ended before another did, but for failures.
+    """
+    if job.number in _session.folded:
+        return _session.folded[job.number]
+    if job.state in ("running", "failed"):
+        return False
+    return job.state == "waiting" or any(
+        other.ended and other.number > job.number for other in _session.shown
+    )
+
+
+def fold(number: int) -> None:
+    """Show the job with this number in one line, or with all that is known of it if it is."""
+    for job in _session.shown:
+        if job.number == number:
+            _session.folded[number] = not is_folded(job)
+
+
 def together() -> Together | None:
     """The bakes that were asked for together with the one that runs; None if there is no other."""
     from ...worker.together import together_of
@@ -196,6 +219,8 @@ def forget_ended(number: int | None = None) -> None:
     if _session.queue is not None:
         _session.queue.forget_ended(number)
         _look()
+        for gone in _session.folded.keys() - {job.number for job in _session.shown}:
+            del _session.folded[gone]
         for gone in _session.completions.keys() - {job.number for job in _session.shown}:
             _session.completions.pop(gone).clean_up()
 
@@ -249,6 +274,7 @@ def unregister() -> None:
     _session.completions.clear()
     _session.begun.clear()
     _session.scenes.clear()
+    _session.folded.clear()
     job_files.unregister()
     pictures.unregister()
 

@@ -136,6 +136,24 @@ class RADTEX_OT_copy_report(bpy.types.Operator):
         return {"FINISHED"}
 
 
+class RADTEX_OT_fold_job(bpy.types.Operator):
+    """Show what is known of the job and what can be done with it, or its name alone"""
+
+    bl_idname = "radtex.fold_job"
+    bl_label = "Details"
+    bl_options = {"INTERNAL"}
+
+    if TYPE_CHECKING:
+        number: int
+    else:
+        number: IntProperty(name="Number", description="The job's number", min=1, options={"SKIP_SAVE"})
+
+    def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
+        jobs.fold(self.number)
+        redraw()
+        return {"FINISHED"}
+
+
 class RADTEX_OT_fold_map(bpy.types.Operator):
     """Show the map that is baked on: an island in one colour, darker where texels are denser. Or hide it"""
 

@@ -19,7 +19,7 @@ from .labels import duration, iface_, number, remark, size, stage
 from .main_panel import Sidebar
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
 
     from ...worker.job import Job, JobMap
     from ...worker.together import Together
@@ -55,14 +55,30 @@ class RADTEX_PT_jobs(Sidebar, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context | None) -> None:
         layout: Any = self.layout
-        together = jobs.together()
-        if together is not None:
-            layout.progress(factor=together.fraction, text=told_together(together), translate=False)
-        for job in jobs.snapshot():
+        found = jobs.snapshot()
+        _draw_all(layout.column(align=True), found)
+        for job in in_order(found):
             _draw_job(layout.box().column(align=True), job)
-        row = layout.row(align=True)
+
+
+def in_order(found: Iterable[Job]) -> list[Job]:
+    """Those that run, those that wait, in their order, and those that have ended, the latest first."""
+    found = list(found)
+    running, waiting = ([job for job in found if job.state == state] for state in ("running", "waiting"))
+    return [*running, *waiting, *reversed([job for job in found if job.ended])]
+
+
+def _draw_all(column: Any, found: Sequence[Job]) -> None:
+    """Draw the bar of bakes that were asked for together, and the buttons that cancel or clear several."""
+    together = jobs.together()
+    if together is not None:
+        column.progress(factor=together.fraction, text=told_together(together), translate=False)
+    ended = [job for job in found if job.ended]
+    row = column.row(align=True)
+    if len(found) > len(ended) + 1:
         row.operator("radtex.cancel", text="Cancel All", icon="CANCEL")
-        row.operator("radtex.clear_jobs", icon="X")
+    if ended:
+        row.operator("radtex.clear_jobs", text="Clear Finished", icon="TRASH")
 
 
 def told_together(together: Together) -> str:
@@ -83,7 +99,7 @@ def job_title(job: Job) -> str:
         name = iface_("{} bakes").format(len(folders))
     title = iface_(_TITLES[job.work]).format(name, _TARGETS.get(about, ""))
     if _is_of_other_file(job):
-        return f"{title} ({Path(job.order.facts['of_blend']).name})"
+        return f"{title} ({_file_of(job)})"
     return title
 
 
@@ -99,15 +115,31 @@ def phrase(job: Job) -> str:
 
 
 def _draw_job(column: Any, job: Job) -> None:
-    row = column.row(align=True)
+    """Draw a job's name and state, its bar while it runs, and unless it is folded all that is known of it."""
+    folded, row = jobs.is_folded(job), column.row(align=True)
+    if job.state == "waiting":
+        row.label(text="", icon="BLANK1")
+    else:
+        arrow = "RIGHTARROW" if folded else "DOWNARROW_HLT"
+        row.operator("radtex.fold_job", text="", icon=arrow, emboss=False).number = job.number
     row.label(text=job_title(job), icon=_ICONS.get(job.state, _RUNNING[job.work]), translate=False)
-    if not job.ended:
+    if job.ended:
+        row.operator("radtex.clear_jobs", text="", icon="X", emboss=False).number = job.number
+    else:
         row.operator("radtex.cancel", text="", icon="X").number = job.number
+    if job.state == "running":
         column.progress(factor=job.fraction, text=phrase(job), translate=False)
-        _draw_map(column, job, pictures.icon(job))
-        _draw_warnings(column, job)
+    if folded:
         return
-    row.operator("radtex.clear_jobs", text="", icon="X", emboss=False).number = job.number
+    if job.ended:
+        _draw_ended(column, job)
+    elif job.state == "running":
+        _draw_map(column, job, pictures.icon(job))
+    _draw_warnings(column, job)
+
+
+def _draw_ended(column: Any, job: Job) -> None:
+    """Draw what a job made, how it ended, and what can be done now."""
     if job.state == "done":  # the icon shows the state, so no text
         for line in results(job, jobs.snapshot()):
             draw_text(column, line, "BLANK1")
@@ -116,15 +148,14 @@ def _draw_job(column: Any, job: Job) -> None:
     if job.state == "done":
         if job_files.fate(job.number) is Fate.THERE:
             _OFFERS[job.work](column, job)
-    else:
-        row = column.row(align=True)
-        row.label(text=phrase(job), icon="BLANK1", translate=False)
-        if _can_resume(job, jobs.snapshot()):
-            _ask_to_resume(row.operator("radtex.bake", text="Resume", icon="PLAY"), job)
+        return
+    row = column.row(align=True)
+    row.label(text=phrase(job), icon="BLANK1", translate=False)
+    if _can_resume(job, jobs.snapshot()):
+        _ask_to_resume(row.operator("radtex.bake", text="Resume", icon="PLAY"), job)
     if job.state == "failed":
         draw_text(column, remark(job.message, job.out), "BLANK1")
         column.operator("radtex.copy_report", icon="COPYDOWN").number = job.number
-    _draw_warnings(column, job)
 
 
 def _ask_to_resume(button: Any, job: Job) -> None:
@@ -156,6 +187,11 @@ def _is_of_other_file(job: Job) -> bool:
     """Whether another .blend is open than that of the job; if that was never saved, this is not known."""
     blend = job.order.facts.get("of_blend", "")
     return bool(blend) and blend != bpy.data.filepath
+
+
+def _file_of(job: Job) -> str:
+    """The name of the job's .blend file; empty if that was never saved."""
+    return Path(job.order.facts.get("of_blend", "")).name
 
 
 def _subject(job: Job) -> tuple[object, ...]:
@@ -230,12 +266,16 @@ def _offer_bake(column: Any, job: Job) -> None:
     buttons: list[Any] = []
     sidecar = str(next((path for path in job.files if path.suffix == ".json"), job.out))
     has_preview = any(path.name.endswith(".preview.blend") for path in job.files)
-    if has_preview:
+    here = not _is_of_other_file(job)
+    if has_preview and here:
         item = bpy.data.objects.get((job.order.shared or (job.object,))[0])
         buttons.append(draw_show(column) if job.order.variant else draw_switch(column, item, job.files))
+    elif has_preview:
+        draw_text(column, iface_("Open {} to preview it").format(_file_of(job)), "INFO")
     row = column.row(align=True)
-    if has_preview:
+    if has_preview and here:
         buttons.append(row.operator("radtex.compare", text="", icon="IMAGE_REFERENCE"))
+    if has_preview:
         buttons.append(row.operator("radtex.show_in_browser", text="", icon="URL"))
         buttons.append(row.operator("radtex.export", text="", icon="EXPORT"))
     buttons.append(row.operator("radtex.delete_bake", text="", icon="TRASH"))
