@@ -131,6 +131,18 @@ def test_showing_a_bake_moves_no_button(bake: str, shading: str, capfd: pytest.C
     assert ("Shade the view by Material Preview or Rendered" in capfd.readouterr().out) == blind
 
 
+def test_where_nothing_is_baked_the_panel_says_so(bake: str, tmp_path: Path) -> None:
+    scene_with_balls()
+    told = "Nothing of it is baked yet"
+    context.scene.radtex.directory = str(tmp_path)
+    assert drawn(RADTEX_PT_afterwards).texts[-1] == told
+    context.scene.radtex.directory = bake
+    assert told not in drawn(RADTEX_PT_afterwards).texts
+    context.scene.radtex.directory = str(tmp_path)
+    radtex.preview_toggle(bake=bake)  # another folder's
+    assert told not in drawn(RADTEX_PT_afterwards).texts
+
+
 def drawn(panel: Any) -> RecordedLayout:
     """What a panel draws, once it has thought about the scene."""
     panel_state.refresh(context.scene, context.view_layer)

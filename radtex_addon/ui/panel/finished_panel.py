@@ -15,7 +15,10 @@ from ..operators.compare_operator import RADTEX_OT_compare, RADTEX_OT_show_compa
 from ..operators.export_operator import RADTEX_OT_export
 from ..operators.preview_operator import RADTEX_OT_preview_toggle
 from ..operators.switch import draw_layers, draw_shading, draw_switch
+from .draw_messages import draw_text
+from .labels import iface_
 from .main_panel import Sidebar, drawn
+from .panel_state import Forecast, Next
 
 
 class RADTEX_PT_afterwards(Sidebar, bpy.types.Panel):
@@ -28,10 +31,12 @@ class RADTEX_PT_afterwards(Sidebar, bpy.types.Panel):
         layout: Any = self.layout
         found = drawn(self, context)[2]
         layout.use_property_split = False
-        layout.enabled = found is not None and bool(found.objects)
         item = context.active_object if context is not None else None
-        draw_switch(layout, item)
-        column = layout.column()
+        nothing = found is not None and nothing_is_baked(found, item)
+        whole = layout.column()
+        whole.enabled = found is not None and bool(found.objects) and not nothing
+        draw_switch(whole, item)
+        column = whole.column()
         column.operator_menu_enum("radtex.apply_to_copy", "shader", icon="DUPLICATE")
         column.operator_menu_enum("radtex.make_asset", "shader", icon="ASSET_MANAGER")
         column.operator("radtex.compare", icon="IMAGE_REFERENCE")
@@ -39,9 +44,19 @@ class RADTEX_PT_afterwards(Sidebar, bpy.types.Panel):
         column.operator("radtex.export", text="Export…", icon="EXPORT")
         column.operator("radtex.open_folder", icon="FILE_FOLDER")
         column.operator("radtex.delete_bake", text="Delete Bake…", icon="TRASH")
-        draw_layers(layout, item)
+        draw_layers(whole, item)
+        if nothing:
+            draw_text(layout, iface_("Nothing of it is baked yet"), "INFO")
         if found is not None and found.shown and context is not None:
             draw_shading(layout.column(), context.space_data)
+
+
+def nothing_is_baked(found: Forecast, item: bpy.types.Object | None) -> bool:
+    """Whether no bake of the chosen objects is there, as far as is known, and none of `item` is shown."""
+    from ...preview.swap import is_on
+
+    shown = found.shown or (item is not None and is_on(item))
+    return found.next is Next.BAKE and not found.finished and not found.unfinished and not shown
 
 
 CLASSES = (
