@@ -103,8 +103,7 @@ def coded(layer: str, levels: tuple[Floats, ...], texels: tuple[int, int] | None
 
     `texels`: the width and height of the image, if the first level has more at its end. A single level is
     filled up to whole blocks by its last column and row; a map that is the same everywhere becomes one block.
-    Raises KeyError for a layer that has no format, InputError for values that are not
-    numbers.
+    Raises KeyError for a layer that has no format, InputError for values that are not numbers.
     """
     kind, image = FORMATS[layer], levels[0]
     if layer in _MAPS and (image == image[0, 0]).all():

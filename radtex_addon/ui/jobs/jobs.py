@@ -219,9 +219,10 @@ def forget_ended(number: int | None = None) -> None:
     if _session.queue is not None:
         _session.queue.forget_ended(number)
         _look()
-        for gone in _session.folded.keys() - {job.number for job in _session.shown}:
+        left = {job.number for job in _session.shown}
+        for gone in _session.folded.keys() - left:
             del _session.folded[gone]
-        for gone in _session.completions.keys() - {job.number for job in _session.shown}:
+        for gone in _session.completions.keys() - left:
             _session.completions.pop(gone).clean_up()
 
 

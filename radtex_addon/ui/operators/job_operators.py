@@ -14,6 +14,7 @@ from ..panel.labels import remark
 from ..panel.redraw import redraw
 from .bake_lookup import bake_location
 from .bake_operator import shown
+from .operator_mixins import OfJob
 
 if TYPE_CHECKING:
     from bpy.stub_internal.rna_enums import OperatorReturnItems
@@ -136,17 +137,12 @@ class RADTEX_OT_copy_report(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class RADTEX_OT_fold_job(bpy.types.Operator):
+class RADTEX_OT_fold_job(OfJob, bpy.types.Operator):
     """Show what is known of the job and what can be done with it, or its name alone"""
 
     bl_idname = "radtex.fold_job"
     bl_label = "Details"
     bl_options = {"INTERNAL"}
-
-    if TYPE_CHECKING:
-        number: int
-    else:
-        number: IntProperty(name="Number", description="The job's number", min=1, options={"SKIP_SAVE"})
 
     def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
         jobs.fold(self.number)
@@ -154,17 +150,12 @@ class RADTEX_OT_fold_job(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class RADTEX_OT_fold_map(bpy.types.Operator):
+class RADTEX_OT_fold_map(OfJob, bpy.types.Operator):
     """Show the map that is baked on: an island in one colour, darker where texels are denser. Or hide it"""
 
     bl_idname = "radtex.fold_map"
     bl_label = "Map"
     bl_options = {"INTERNAL"}
-
-    if TYPE_CHECKING:
-        number: int
-    else:
-        number: IntProperty(name="Number", description="The job's number", min=1, options={"SKIP_SAVE"})
 
     def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
         pictures.toggle_map(self.number)

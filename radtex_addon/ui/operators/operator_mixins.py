@@ -59,6 +59,15 @@ class OfBake:
         return has_meshes(cls, context)  # type: ignore[arg-type]  # the class that uses the mixin is an operator
 
 
+class OfJob:
+    """Mixin with the property that names a job on the list; not registered itself."""
+
+    if TYPE_CHECKING:  # type of the property that Blender creates from the annotation below
+        number: int
+    else:
+        number: IntProperty(name="Number", description="The job's number", min=1, options={"SKIP_SAVE"})
+
+
 class MayWait:
     """Mixin with the property `wait`, for operators that use a worker; not registered itself."""
 
