@@ -198,6 +198,12 @@ def test_a_job_says_so_once_other_files_are_in_the_place_of_its_own(out: Path, t
     assert jobs_panel.job_title(jobs.snapshot()[1]) == "Card"
     save(tmp_path / "b.blend")
     assert jobs_panel.job_title(jobs.snapshot()[1]) == "Card (a.blend)"
+    assert "radtex.preview_toggle" in dict(drawn(1).buttons)  # a copy's own object is there
+    item = context.scene.objects["Card"]
+    item.name = "Another"
+    assert "radtex.preview_toggle" not in dict(drawn(1).buttons)
+    assert "Open a.blend to preview it" in " ".join(drawn(1).texts)
+    item.name = "Card"
     save(tmp_path / "a.blend")
     arguments["job"] = jobs.snapshot()[1].number
     assert ops.radtex.bake(overwrite_any=True, samples=1) == {"FINISHED"}  # another process replaces that

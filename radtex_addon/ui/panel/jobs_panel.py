@@ -266,14 +266,14 @@ def _offer_bake(column: Any, job: Job) -> None:
     buttons: list[Any] = []
     sidecar = str(next((path for path in job.files if path.suffix == ".json"), job.out))
     has_preview = any(path.name.endswith(".preview.blend") for path in job.files)
-    here = not _is_of_other_file(job)
-    if has_preview and here:
-        item = bpy.data.objects.get((job.order.shared or (job.object,))[0])
-        buttons.append(draw_show(column) if job.order.variant else draw_switch(column, item, job.files))
-    elif has_preview:
+    item = bpy.data.objects.get((job.order.shared or (job.object,))[0])
+    is_missing = item is None and _is_of_other_file(job)
+    if has_preview and is_missing:
         draw_text(column, iface_("Open {} to preview it").format(_file_of(job)), "INFO")
+    elif has_preview:
+        buttons.append(draw_show(column) if job.order.variant else draw_switch(column, item, job.files))
     row = column.row(align=True)
-    if has_preview and here:
+    if has_preview and not is_missing:
         buttons.append(row.operator("radtex.compare", text="", icon="IMAGE_REFERENCE"))
     if has_preview:
         buttons.append(row.operator("radtex.show_in_browser", text="", icon="URL"))
