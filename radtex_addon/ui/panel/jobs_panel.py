@@ -266,8 +266,8 @@ def _offer_bake(column: Any, job: Job) -> None:
     buttons: list[Any] = []
     sidecar = str(next((path for path in job.files if path.suffix == ".json"), job.out))
     has_preview = any(path.name.endswith(".preview.blend") for path in job.files)
-    item = bpy.data.objects.get((job.order.shared or (job.object,))[0])
-    is_missing = item is None and _is_of_other_file(job)
+    item: bpy.types.Object | None = bpy.data.objects.get((job.order.shared or (job.object,))[0])
+    is_missing = _is_of_other_file(job) and item is None
     if has_preview and is_missing:
         draw_text(column, iface_("Open {} to preview it").format(_file_of(job)), "INFO")
     elif has_preview:
