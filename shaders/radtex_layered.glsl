@@ -23,6 +23,10 @@
 // and the own layer is not read. RADTEX_SECOND_LOBE (0, 1; default 1): whether the second lobe is looked up, or
 // materials have one lobe in place of two.
 //
+// RADTEX_TEMPORAL: cheaper where an engine has temporal antialiasing. Of the cells of a bucket one is read, drawn by
+// chance as often as its weight says, and of two levels of a picture one: noise that the antialiasing averages away.
+// RADTEX_FRAME: a whole number of the frame; default 0, as the jitter of such frames draws anew by itself.
+//
 // RADTEX_STEADY: lobes are wider where normals differ from one pixel to the next, so that what is far away or sharply
 // curved does not shimmer. Its value is by how much: 0.16 is what a pixel covers, 4 times a twelfth for each of two
 // axes, as a mirror doubles angles; more is steadier, and softer. In the pixel's stage alone, and never where pixels go
@@ -67,6 +71,9 @@ precision highp sampler2D;
 #endif
 #ifndef RADTEX_SECOND_LOBE
 #define RADTEX_SECOND_LOBE 1
+#endif
+#ifndef RADTEX_FRAME
+#define RADTEX_FRAME 0
 #endif
 
 #ifndef RADTEX_DECLARED
@@ -220,6 +227,22 @@ vec2 radtex_inside(vec4 tile, vec2 uv) {
     return clamp(uv * tile.xy, tile.zw, tile.xy - tile.zw);
 }
 
+// A number from 0 to 1 by chance, for two others (O'Neill, "PCG", 2014, by its output's permutation).
+float radtex_chance(vec2 at) {
+    uint mixed = floatBitsToUint(at.x) * 747796405u + floatBitsToUint(at.y) * 2891336453u + uint(RADTEX_FRAME)
+        * 1664525u;
+    mixed = mixed * 747796405u + 2891336453u;
+    mixed = ((mixed >> ((mixed >> 28u) + 4u)) ^ mixed) * 277803737u;
+    return float(((mixed >> 22u) ^ mixed) >> 8u) / 16777216.0;
+}
+
+// One of three cells, drawn by chance as often as its weight says.
+vec2 radtex_drawn(RadtexCells cells, vec2 inside) {
+    float chance = radtex_chance(cells.a + inside);
+    vec2 cell = chance < cells.weight.x + cells.weight.y ? cells.b : cells.c;
+    return chance < cells.weight.x ? cells.a : cell;
+}
+
 vec4 radtex_three_taps(sampler2D image, RadtexCells cells, vec2 inside, vec2 size) {
     return textureLod(image, (cells.a + inside) * size, 0.0) * cells.weight.x
         + textureLod(image, (cells.b + inside) * size, 0.0) * cells.weight.y
@@ -234,10 +257,15 @@ vec4 radtex_four_taps(sampler2D image, RadtexCells cells, vec2 inside, vec2 size
 // What lobes and other paths, in coarse cells, do not tell, in the direction that lies at a place on the square.
 vec3 radtex_rest(sampler2D image, vec4 range, vec4 tile, float n, vec2 uv, vec2 place) {
     vec4 found;
-#if RADTEX_REST_TAPS == 4
-    found = radtex_four_taps(image, radtex_four_cells(place, n), radtex_inside(tile, uv), range.xy);
+    vec2 inside = radtex_inside(tile, uv);
+#ifdef RADTEX_TEMPORAL
+    found = textureLod(image, (radtex_drawn(radtex_three_cells(place, n), inside) + inside) * range.xy, 0.0);
 #else
-    found = radtex_three_taps(image, radtex_three_cells(place, n), radtex_inside(tile, uv), range.xy);
+#if RADTEX_REST_TAPS == 4
+    found = radtex_four_taps(image, radtex_four_cells(place, n), inside, range.xy);
+#else
+    found = radtex_three_taps(image, radtex_three_cells(place, n), inside, range.xy);
+#endif
 #endif
     return found.rgb * range.z + range.w;
 }
@@ -251,9 +279,12 @@ vec2 radtex_on_edges(vec2 place, float size) {
 // The texel of a picture around the direction d, blurred by a width² whose log2 is `spread`. Between levels it is mixed
 // by the width, not by its logarithm: so a lobe's tails are nearly right.
 vec4 radtex_blurred(sampler2D image, vec4 levels, vec3 d, float spread) {
-    float level = clamp(0.5 * (spread - levels.z), 0.0, levels.y);
+    float level = clamp(0.5 * (spread - levels.z), 0.0, levels.y), between = exp2(fract(level)) - 1.0;
     vec2 place = radtex_on_edges(radtex_square(d), levels.x * exp2(-level));
-    return textureLod(image, place, floor(level) + exp2(fract(level)) - 1.0);
+#ifdef RADTEX_TEMPORAL
+    between = radtex_chance(d.xy) < between ? 1.0 : 0.0;
+#endif
+    return textureLod(image, place, floor(level) + between);
 }
 
 // A picture of what is near, premultiplied by its alpha.
@@ -530,12 +561,17 @@ vec4 radtex_own(vec2 uv, vec2 place) {
     vec2 inside = radtex_inside(radtex_own_tile, uv), size = radtex_own_range.xy;
     RadtexCells cells;
     vec4 own;
+#ifdef RADTEX_TEMPORAL
+    cells = radtex_three_cells(place, n);
+    own = textureLod(radtex_own_map, (radtex_drawn(cells, inside) + inside) * size, 0.0);
+#else
 #if RADTEX_OWN_TAPS == 4
     cells = radtex_four_cells(place, n);
     own = radtex_four_taps(radtex_own_map, cells, inside, size);
 #else
     cells = radtex_three_cells(place, n);
     own = radtex_three_taps(radtex_own_map, cells, inside, size);
+#endif
 #endif
     return vec4(own.rgb * radtex_own_range.z + radtex_own_range.w, own.a);
 #endif

@@ -33,6 +33,9 @@ override RADTEX_STEPS: i32 = 1;         // fetches of distances, 0 to 2
 override RADTEX_OWN_TAPS: i32 = 3;      // cells of a bucket that are blended, 3 or 4; 0: it mirrors nothing of itself
 override RADTEX_REST_TAPS: i32 = 3;
 override RADTEX_SECOND_LOBE: i32 = 1;   // 1: it is looked up, 0: materials have one lobe in place of two
+override RADTEX_TEMPORAL: bool = false; // one cell of a bucket is read, drawn by chance as often as its weight says, and
+                                        // one level of a picture: noise that temporal antialiasing averages away
+var<private> radtex_frame_number: u32 = 0u;  // by which chance draws anew in each frame
 
 struct RadtexBake {
     middle: vec4f,        // xyz: from where the surroundings are seen
@@ -166,6 +169,21 @@ fn radtex_inside(tile: vec4f, uv: vec2f) -> vec2f {
     return clamp(uv * tile.xy, tile.zw, tile.xy - tile.zw);
 }
 
+// A number from 0 to 1 by chance, for two others (O'Neill, "PCG", 2014, by its output's permutation).
+fn radtex_chance(at: vec2f) -> f32 {
+    var mixed = bitcast<u32>(at.x) * 747796405u + bitcast<u32>(at.y) * 2891336453u + radtex_frame_number * 1664525u;
+    mixed = mixed * 747796405u + 2891336453u;
+    mixed = ((mixed >> ((mixed >> 28u) + 4u)) ^ mixed) * 277803737u;
+    return f32(((mixed >> 22u) ^ mixed) >> 8u) / 16777216.0;
+}
+
+// One of three cells, drawn by chance as often as its weight says.
+fn radtex_drawn(cells: RadtexCells, inside: vec2f) -> vec2f {
+    let chance = radtex_chance(cells.a + inside);
+    let cell = select(cells.c, cells.b, chance < cells.weight.x + cells.weight.y);
+    return select(cell, cells.a, chance < cells.weight.x);
+}
+
 fn radtex_three_taps(image: texture_2d<f32>, cells: RadtexCells, inside: vec2f, size: vec2f) -> vec4f {
     return textureSampleLevel(image, radtex_filtering, (cells.a + inside) * size, 0.0) * cells.weight.x
         + textureSampleLevel(image, radtex_filtering, (cells.b + inside) * size, 0.0) * cells.weight.y
@@ -180,10 +198,16 @@ fn radtex_four_taps(image: texture_2d<f32>, cells: RadtexCells, inside: vec2f, s
 // What lobes and other paths, in coarse cells, do not tell, in the direction that lies at a place on the square.
 fn radtex_rest(image: texture_2d<f32>, range: vec4f, tile: vec4f, n: f32, uv: vec2f, place: vec2f) -> vec3f {
     var found: vec4f;
-    if RADTEX_REST_TAPS == 4 {
-        found = radtex_four_taps(image, radtex_four_cells(place, n), radtex_inside(tile, uv), range.xy);
+    let inside = radtex_inside(tile, uv);
+    if RADTEX_TEMPORAL {
+        found = textureSampleLevel(image, radtex_filtering,
+            (radtex_drawn(radtex_three_cells(place, n), inside) + inside) * range.xy, 0.0);
     } else {
-        found = radtex_three_taps(image, radtex_three_cells(place, n), radtex_inside(tile, uv), range.xy);
+        if RADTEX_REST_TAPS == 4 {
+            found = radtex_four_taps(image, radtex_four_cells(place, n), inside, range.xy);
+        } else {
+            found = radtex_three_taps(image, radtex_three_cells(place, n), inside, range.xy);
+        }
     }
     return found.rgb * range.z + range.w;
 }
@@ -197,8 +221,12 @@ fn radtex_on_edges(place: vec2f, size: f32) -> vec2f {
 // by the width, not by its logarithm: so a lobe's tails are nearly right.
 fn radtex_blurred(image: texture_2d<f32>, levels: vec4f, d: vec3f, spread: f32) -> vec4f {
     let level = clamp(0.5 * (spread - levels.z), 0.0, levels.y);
+    var between = exp2(fract(level)) - 1.0;
     let place = radtex_on_edges(radtex_square(d), levels.x * exp2(-level));
-    return textureSampleLevel(image, radtex_filtering, place, floor(level) + exp2(fract(level)) - 1.0);
+    if RADTEX_TEMPORAL {
+        between = select(0.0, 1.0, radtex_chance(d.xy) < between);
+    }
+    return textureSampleLevel(image, radtex_filtering, place, floor(level) + between);
 }
 
 // A picture of what is near, premultiplied by its alpha.
@@ -474,12 +502,18 @@ fn radtex_own(uv: vec2f, place: vec2f) -> vec4f {
         let size = radtex.own_range.xy;
         var cells: RadtexCells;
         var own: vec4f;
-        if RADTEX_OWN_TAPS == 4 {
-            cells = radtex_four_cells(place, n);
-            own = radtex_four_taps(radtex_own_map, cells, inside, size);
-        } else {
+        if RADTEX_TEMPORAL {
             cells = radtex_three_cells(place, n);
-            own = radtex_three_taps(radtex_own_map, cells, inside, size);
+            own = textureSampleLevel(radtex_own_map, radtex_filtering, (radtex_drawn(cells, inside) + inside) * size,
+                0.0);
+        } else {
+            if RADTEX_OWN_TAPS == 4 {
+                cells = radtex_four_cells(place, n);
+                own = radtex_four_taps(radtex_own_map, cells, inside, size);
+            } else {
+                cells = radtex_three_cells(place, n);
+                own = radtex_three_taps(radtex_own_map, cells, inside, size);
+            }
         }
         return vec4f(own.rgb * radtex.own_range.z + radtex.own_range.w, own.a);
     }

@@ -347,6 +347,7 @@ _CHOICES: dict[str, tuple[str, ...]] = {
         "RADTEX_OWN_TAPS=4 RADTEX_REST_TAPS=4",
     ),
     "steady": ("", "RADTEX_STEADY=0.16"),
+    "temporal": ("", "RADTEX_TEMPORAL"),
 }
 
 

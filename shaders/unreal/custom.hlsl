@@ -10,6 +10,7 @@
 #if PIXELSHADER
 #define RADTEX_LEVEL(uv, texels, levels) radtex_level(uv, texels, levels)
 #define RADTEX_STEADY 0.16  // what moves does not shimmer
+// #define RADTEX_TEMPORAL  // cheaper, with noise that TAA and TSR average away; has no effect on buckets
 #else  // hit shaders have no derivatives
 #define RADTEX_LEVEL(uv, texels, levels) 0.0
 #define RADTEX_NO_DERIVATIVES
@@ -34,4 +35,5 @@ float4 radtex_found = radtex.radtex_light(
     mul((float3x3)radtex_baked, Viewer), @SUN@);
 @UNDEFINES@
 #undef RADTEX_STEADY
+#undef RADTEX_TEMPORAL
 return radtex_found;

@@ -18,7 +18,7 @@ from radtex_addon.report.gbuffer import eroded
 from radtex_addon.report.metrics import Mask
 from tests.bench.assets import three_scene
 from tests.bench.assets.views import Pictures, rays_of, scene_cameras
-from tests.bench.three_cost.__main__ import OURS, WAYS, timed
+from tests.bench.three_cost.__main__ import OURS, TEMPORAL, WAYS, timed
 from tests.blender import stage
 from tests.blender.image_stage import NAME, crate, texture_set
 from tests.real.exhibit import Camera, Exhibit, decibels
@@ -114,4 +114,8 @@ def test_the_bench_of_costs_draws_the_bake_by_every_material(
     covered = [(picture.max(axis=2) > 0).mean() for picture in pictures.values()]
     print(dict(zip(WAYS, covered, strict=True)))
     assert min(covered) > 0.3
-    assert all(np.abs(pictures[OURS] - pictures[way]).mean() > 5 for way in WAYS if way != OURS)
+    far = {way: np.abs(pictures[OURS] - pictures[way]).mean() for way in WAYS if way != OURS}
+    print(far)
+    noise = far.pop(TEMPORAL)
+    assert min(far.values()) > 5
+    assert 0 < noise < 5

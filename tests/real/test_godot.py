@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -16,6 +17,7 @@ from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.sampler import Filter
 from radtex_addon.formats.shadow_files import Words
 from radtex_addon.forms.layered.shader_values import (
+    DEFAULT,
     FULL,
     LookupCost,
     bake_values,
@@ -23,7 +25,7 @@ from radtex_addon.forms.layered.shader_values import (
     layers_read,
     material_values,
 )
-from tests.layered_lookups import USUAL, Case, assert_agrees, case_of
+from tests.layered_lookups import USUAL, Case, assert_agrees, case_of, off
 from tests.lookups import (
     LAYOUT,
     SIDE,
@@ -249,6 +251,15 @@ def test_the_layered_layout_agrees_with_the_reference(root: Root, renderer: str)
         by_material = [next(drawn) for _ in some]
         case = case_of(name)
         assert_agrees(f"{renderer}, {name}", case.by_material(by_material.__getitem__), case)
+
+
+@pytest.mark.parametrize("renderer", RENDERERS)
+def test_what_chance_draws_is_near(root: Root, renderer: str) -> None:
+    case = case_of("everything")
+    by_material = answers(root, renderer, layered_jobs(case, replace(DEFAULT, temporal=True)))
+    noise = off(case.by_material(by_material.__getitem__), case.answers())
+    print(f"{renderer}, drawn by chance: mean error {noise.mean():.1e}")
+    assert 0.01 < noise.mean() < 0.05
 
 
 LAYERS = "#define RADTEX_SHADOW_LAYERS\n"

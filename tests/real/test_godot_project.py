@@ -331,6 +331,17 @@ def test_godot_shows_a_layered_bake(name: str, exhibit: Exhibit, root: Root, tmp
     assert decibels(elsewhere, made_up_picture(bake, case, FRONT), bake.eroded(FRONT)) < LEAST_MADE_UP
 
 
+def test_a_project_asks_for_cheaper_lookups(exhibit: Exhibit, root: Root, tmp_path: Path) -> None:
+    bake, case = exhibit.plain, case_of("made up")
+    place = made_up_project(bake, case, tmp_path)
+    with (place / "project.godot").open("a", encoding="utf-8") as settings:
+        settings.write("\n[radtex]\n\nlookups/temporal=true\n")
+    (noisy,) = pictures(root, imported(root, place), next(iter(RENDERERS)), [Shot(FRONT)])
+    found = decibels(noisy, made_up_picture(bake, case, FRONT), bake.eroded(FRONT))
+    print(f"drawn by chance: {found:.1f} dB")
+    assert 15 < found < LEAST_MADE_UP
+
+
 def _keep(path: Path, taken: list[Picture]) -> None:
     strip = display(np.concatenate(taken, axis=1))
     Image.fromarray((strip * 255 + 0.5).astype(np.uint8)).save(path, optimize=True)

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import astuple
+from dataclasses import astuple, replace
 from pathlib import Path
 
 import numpy as np
@@ -337,6 +337,9 @@ def test_thrift_changes_little_of_the_layered_layout(root: Root) -> None:
     wrong = off(run_layered(root, "glslang", "", case, DEFAULT), case.answers())
     print(f"as it is by default: mean error {wrong.mean():.1e}")
     assert wrong.mean() < 0.01
+    noise = off(run_layered(root, "glslang", "", case, replace(DEFAULT, temporal=True)), case.answers())
+    print(f"drawn by chance: mean error {noise.mean():.1e}")
+    assert 0.01 < noise.mean() < 0.05
 
 
 ANY_LIGHT = """

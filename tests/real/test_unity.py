@@ -201,6 +201,19 @@ def test_hdrp_sees_the_same_far_from_where_the_world_begins(compilers: Compilers
     assert errors["built-in"] > 3 * errors["HDRP"]  # so far away it matters
 
 
+def test_a_material_may_ask_for_cheaper_lookups(compilers: Compilers, tmp_path: Path) -> None:
+    asked = asked_of("layered")
+    found = folder_of(asked, tmp_path)
+    text = shader_text(NAME, NAME, asked.lookup, clear=False, culled=True)
+    assert "[Toggle(RADTEX_TEMPORAL)] _RadtexTemporal" in text
+    assert text.count("#pragma shader_feature_local _ RADTEX_TEMPORAL\n") == len(PIPELINES)
+    (each,) = (some for some in found if some.name in VISIBLE and some.pipeline == "built-in")
+    code = complete(each.code, tmp_path, "SHOWN_PER_PIXEL", "RADTEX_TEMPORAL")
+    mean, _ = asked.error(drawn(compilers, "dxc", asked, code, np.array([3.0, -2.0, 5.0])))
+    print(f"drawn by chance: error {mean:.1e} on average")
+    assert asked.within[0] < mean < 0.1
+
+
 def compile_passes(
     compilers: Compilers, compiler: str, found: list[Pass], folder: Path, *defined: str
 ) -> None:

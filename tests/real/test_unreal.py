@@ -74,9 +74,12 @@ def asked_of(form: str) -> Asked:
     return FORMS[form](Target.UNREAL)
 
 
-def function(asked: Asked, material: int, pixel: int = 1) -> str:
-    """A shader around a Custom node's code."""
+def function(asked: Asked, material: int, pixel: int = 1, temporal: bool = False) -> str:
+    """A shader around a Custom node's code, whose line for temporal antialiasing is no comment if asked."""
     code = custom_text("Made up", "import_made_up.py", asked.lookup, asked.mesh.baked, material)
+    if temporal:
+        assert code.count("// #define RADTEX_TEMPORAL  //") == 1
+        code = code.replace("// #define RADTEX_TEMPORAL", "#define RADTEX_TEMPORAL")
     return around(code, asked.lookup, pixel, material)
 
 
@@ -101,7 +104,7 @@ def around(code: str, lookup: HlslLookup, pixel: int = 1, material: int = 0) -> 
     )
 
 
-def drawn(compilers: Compilers, asked: Asked) -> list[Floats]:
+def drawn(compilers: Compilers, asked: Asked, temporal: bool = False) -> list[Floats]:
     """What the Custom node gives, for each material, of the mesh as Unreal imports it."""
     seen = unreal(asked.mesh.attributes)
     to_local = SWAPPED @ np.linalg.inv(asked.mesh.baked[:, :3])
@@ -118,7 +121,9 @@ def drawn(compilers: Compilers, asked: Asked) -> list[Floats]:
     found = []
     for number in range(asked.materials):
         read = {f"t{k}": texture for k, texture in enumerate(asked.textures_of(number))}
-        found.append(shown(compilers, "dxc", function(asked, number), resources | read, SIDE))
+        found.append(
+            shown(compilers, "dxc", function(asked, number, temporal=temporal), resources | read, SIDE)
+        )
     return found
 
 
@@ -137,9 +142,17 @@ def test_custom_nodes_compile_for_direct3d_in_every_stage(compilers: Compilers, 
         assert by_dxc(compilers, function(asked_of(form), 0, pixel))
 
 
-def test_a_custom_node_leaves_no_macro_behind() -> None:
+def test_a_line_asks_for_cheaper_lookups(compilers: Compilers) -> None:
+    asked = asked_of("layered")
+    mean, _ = asked.error(drawn(compilers, asked, temporal=True))
+    print(f"drawn by chance: error {mean:.1e} on average")
+    assert asked.within[0] < mean < 0.1
+
+
+@pytest.mark.parametrize("temporal", [False, True])
+def test_a_custom_node_leaves_no_macro_behind(temporal: bool) -> None:
     for form in FORMS_TAKEN:
-        code = function(asked_of(form), 0)
+        code = function(asked_of(form), 0, temporal=temporal)
         defined, undefined = (
             set(re.findall(rf"^\s*#{word} (\w+)", code, re.MULTILINE)) for word in ("define", "undef")
         )

@@ -390,6 +390,9 @@ def test_thrift_changes_little_of_the_layered_layout(root: Root) -> None:
     wrong = off(run_layered(root, case, DEFAULT), case.answers())
     print(f"as it is by default: mean error {wrong.mean():.1e}")
     assert wrong.mean() < 0.01
+    noise = off(run_layered(root, case, replace(DEFAULT, temporal=True)), case.answers())
+    print(f"drawn by chance: mean error {noise.mean():.1e}")
+    assert 0.01 < noise.mean() < 0.05
 
 
 FOLDER = Path(__file__).parents[2] / "shaders"

@@ -54,6 +54,7 @@ _IMAGE_PROPERTIES = (
     f'[NoScaleOffset] {METAL} ("Roughness (green), metal (blue)", 2D) = "white" {{}}',
     f'[NoScaleOffset] [Normal] {BUMP} ("Normal map", 2D) = "bump" {{}}',
 )
+_TEMPORAL = '[Toggle(RADTEX_TEMPORAL)] _RadtexTemporal ("Cheaper, for temporal antialiasing", Float) = 0'
 _SUN = """_RadtexSunDirection ("Towards the sun", Vector) = (0.3, 0.8, 0.5, 0)
 [HDR] _RadtexSunIrradiance ("The sun's irradiance", Color) = (1, 1, 1, 1)
 """
@@ -114,14 +115,20 @@ def shader_text(name: str, title: str, lookup: HlslLookup, clear: bool, culled: 
         for texture, entry in lookup.textures.items()
     ]
     properties += [*_IMAGE_PROPERTIES] * bool(lookup.of_images)
-    keywords = " ".join(f"RADTEX_MATERIAL_{number}" for number in range(1, len(lookup.materials)))
+    of_materials = " ".join(f"RADTEX_MATERIAL_{number}" for number in range(1, len(lookup.materials)))
+    keywords = [of_materials] * bool(of_materials)
+    if "radtex_layered" in lookup.includes:
+        properties.append(_TEMPORAL)
+        keywords.append("RADTEX_TEMPORAL")
     words = {
         "NAME": in_comment(name),
         "TITLE": shaderlab_string(f"RadTex/{title}"),
         "NUMBERS": shaderlab_string(f"{name}.hlsl"),
         "PROPERTIES": indented("\n".join(properties), 8),
         "SUN": indented(_SUN, 8) + "\n" if lookup.relit else "",
-        "KEYWORDS": f"#pragma shader_feature_local _ {keywords}" if keywords else "",
+        "KEYWORDS": indented(
+            "\n".join(f"#pragma shader_feature_local _ {each}" for each in keywords), 8
+        ).strip(),
         "TYPE": "Transparent" if clear else "Opaque",
         "QUEUE": "Transparent" if clear else "Geometry",
         "CULL": "Back" if culled else "Off",

@@ -78,7 +78,8 @@ class LookupCost:
     `steps`: fetches of distances, 0 to 2. `own_taps`, `rest_taps`: cells of a bucket that are blended, 3 or
     4. `second_lobe`: whether it is looked up where a material has one, or each has one in place of two.
     `exit_taps`: of the ways of light that comes through, 16 are looked at, or 4, as the textures' filter
-    blends those of texels.
+    blends those of texels. `temporal`: of the cells of a bucket and of two levels of a picture one is read,
+    drawn by chance, for an engine's temporal antialiasing.
     """
 
     steps: int = 1
@@ -86,6 +87,7 @@ class LookupCost:
     rest_taps: int = 3
     second_lobe: bool = True
     exit_taps: int = 16
+    temporal: bool = False
 
 
 # The uniforms of the buffers that HLSL and WGSL declare, in order, and how many vectors each has.
@@ -190,6 +192,8 @@ def definitions(sidecar: LayeredSidecar, cost: LookupCost = DEFAULT) -> dict[str
         second = cost.second_lobe and sidecar.second_lobes
         taps = cost.own_taps if sidecar.mirrors_itself else 0
         found |= {"RADTEX_OWN_TAPS": taps, "RADTEX_SECOND_LOBE": int(second)}
+    if cost.temporal:
+        found["RADTEX_TEMPORAL"] = 1
     if sidecar.glosses:
         found["RADTEX_GLOSSES"] = 1
     if sidecar.through is not None:

@@ -153,10 +153,13 @@ def lookups_of(context: moderngl.Context, subject: Subject, blocks: bool) -> dic
     image = subject.image("buckets").levels[0]
     cells = subject.facts["textures"]["buckets"]["cells"]
     layout = AtlasLayout(image.shape[1] // cells, image.shape[0] // cells, cells)
+    variants = dict(subject.facts["variants"])
+    plain = variants["layered"]
+    variants["layered, temporal"] = {**plain, "defines": {**plain["defines"], "RADTEX_TEMPORAL": 1}}
     return (
         _baselines(uploads, subject)
         | bucket_lookups(uploads, subject.model("buckets"), image, layout)
-        | {name: _layered(uploads, subject, variant) for name, variant in subject.facts["variants"].items()}
+        | {name: _layered(uploads, subject, variant) for name, variant in variants.items()}
     )
 
 

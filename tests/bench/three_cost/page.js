@@ -68,10 +68,18 @@ const WAYS = {
   coated: (maps) => new MeshPhysicalMaterial({ ...maps, roughness: 0.4, clearcoat: 0.5, clearcoatRoughness: 0.1 }),
 };
 
+function temporal(material) {
+  if (Array.isArray(material)) return material.map(temporal);
+  const cheaper = material.clone();
+  cheaper.defines = { ...cheaper.defines, RADTEX_TEMPORAL: "" };
+  return cheaper;
+}
+
 function chosen(way) {
   for (const mesh of found.meshes) {
     const own = found.own.get(mesh);
     if (way === "radtex") mesh.material = own;
+    else if (way === "temporal") mesh.material = found.others[`${way} ${mesh.uuid}`] ??= temporal(own);
     else {
       const key = `${way} ${mesh.uuid}`;
       const first = Array.isArray(own) ? own[0] : own;

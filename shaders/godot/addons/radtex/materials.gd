@@ -11,6 +11,8 @@ const OF_IMAGES := "radtex_images"  ## A material's values, where it is shown by
 const REPLACED := ["colour", "tint", "normal"]  ## The layers in whose place these are read.
 const STEPS := 16  ## Of curves over the cosine to the normal: so many rows has each of a material's two lobes.
 const STEADY := 0.16  ## By how much lobes widen where normals spread within a pixel: what moves does not shimmer.
+## The project setting of cheaper lookups, whose noise temporal antialiasing averages away. What was imported before is as it was.
+const TEMPORAL := "radtex/lookups/temporal"
 const TRANSPARENT := "RGBA16F"  ## The only format of light that has alpha.
 
 
@@ -129,6 +131,8 @@ static func _layered(facts: Dictionary, number: int, textures: Textures) -> Reci
 	var of_images := own.has(OF_IMAGES)
 	_put_layers(recipe, facts, REPLACED if of_images else [])
 	recipe.defines["RADTEX_STEADY"] = STEADY
+	if ProjectSettings.get_setting(TEMPORAL, false):
+		recipe.defines["RADTEX_TEMPORAL"] = 1
 	if _is_of_one_lobe(own):
 		recipe.defines["RADTEX_SECOND_LOBE"] = 0
 	if of_images:

@@ -6,6 +6,7 @@ extends EditorPlugin
 
 const Importer := preload("importer.gd")
 const PostImport := preload("post_import.gd")
+const Materials := preload("materials.gd")
 const AUTOLOAD := "RadTex"  ## Registers the same importer in the game, for .glb files that it loads itself.
 
 var _importer: Importer
@@ -22,6 +23,10 @@ func _disable_plugin() -> void:
 
 
 func _enter_tree() -> void:
+	if not ProjectSettings.has_setting(Materials.TEMPORAL):
+		ProjectSettings.set_setting(Materials.TEMPORAL, false)
+	ProjectSettings.set_initial_value(Materials.TEMPORAL, false)
+	ProjectSettings.set_as_basic(Materials.TEMPORAL, true)
 	_importer = Importer.new()
 	GLTFDocument.register_gltf_document_extension(_importer, true)
 	_post_import = PostImport.new()
