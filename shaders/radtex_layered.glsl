@@ -14,7 +14,8 @@
 // RADTEX_ALPHA, RADTEX_PLANE, RADTEX_THINGS (with distances): these layers. RADTEX_LAMPS: how many, 0 to 8.
 // RADTEX_SHELL: how many planes of a room the plane layer shows, 2 to 8; 0 if it is a single one. RADTEX_BOXES: how many
 // boxes things lie in there, 1 to 8; else 0.
-// RADTEX_GLOSSES: how much a material mirrors follows from its tint and its width.
+// RADTEX_GLOSSES: how much a material mirrors follows from its tint and its width. RADTEX_SHAPES: some lamps are
+// rectangles, discs or balls where lobes are sharp, not blurs alone.
 // RADTEX_IMAGES: the material is shown by its own images, in place of colour, tint and normal: call radtex_layered_images.
 // RADTEX_OWN_CELLS, RADTEX_REST_CELLS: cells along the sides of buckets.
 //
@@ -148,6 +149,10 @@ uniform vec4 radtex_box_high[RADTEX_BOXES];  // xyz: the highest corners
 #if RADTEX_LAMPS > 0
 uniform vec4 radtex_lamp_place[RADTEX_LAMPS];  // from the middle, and width²
 uniform vec4 radtex_lamp_light[RADTEX_LAMPS];  // rgb: irradiance at the middle; a: 1 if layers hide it
+#ifdef RADTEX_SHAPES
+uniform vec4 radtex_lamp_across[RADTEX_LAMPS];  // half a side, or a ball's radius; a: 1 / steradians from the middle, or 0
+uniform vec4 radtex_lamp_up[RADTEX_LAMPS];      // half of the other side, or a ball's 0; a: 1 if it is a disc
+#endif
 #endif
 #endif
 #endif
@@ -472,14 +477,66 @@ vec4 radtex_lit_by(vec3 face, vec3 even, vec3 colour) {
 }
 
 #if RADTEX_LAMPS > 0
-// What a lobe of that width² shows of a lamp. Of one that layers are before, a surface whose unit normal is lit.xyz sees
-// no more than the luminance of its irradiance, lit.w, allows.
-vec3 radtex_lamp(vec4 place, vec4 light, vec3 from, vec3 ray, float width, vec4 lit) {
+#ifdef RADTEX_SHAPES
+// How much of a lobe lies on a disc at a squared distance from its axis, of a squared radius, both in units of the root
+// of 2 width²: the view factor of a disc, as a lobe is a cosine's foreshortening on a plane one unit away.
+float radtex_on_disc(float distance, float radius) {
+    float apart = distance - radius;
+    return 0.5 - 0.5 * (1.0 + apart) * inversesqrt(1.0 + 2.0 * (distance + radius) + apart * apart);
+}
+
+// How much of it lies between its axis and a corner, less than 0 in two of the quarters: a rectangle's view factor.
+float radtex_to_corner(float x, float y) {
+    float across = inversesqrt(1.0 + x * x), up = inversesqrt(1.0 + y * y);
+    return (x * across * atan(y * across) + y * up * atan(x * up)) / 6.2831853;
+}
+
+// How much of a lobe of that width² lies on a lamp, which is `towards` from where it begins; a lamp's shape is as
+// radtex_lamp_across and radtex_lamp_up tell.
+float radtex_covered(vec3 towards, vec3 ray, float width, vec4 across, vec4 up) {
+    float sharp = inversesqrt(2.0 * width), radius = dot(across.xyz, across.xyz), other = dot(up.xyz, up.xyz);
+    if (other == 0.0) {
+        float along = dot(towards, ray);
+        vec3 aside = towards / max(along, 1e-12) - ray;
+        float size = min(radius / max(dot(towards, towards) - radius, 1e-12), 1000.0);
+        if (along <= 0.0) return 0.0;
+        return radtex_on_disc(min(dot(aside, aside), 1e6) * sharp * sharp, size * sharp * sharp);
+    }
+    vec3 back = cross(across.xyz, up.xyz);
+    float facing = dot(back, ray);
+    if (facing <= 0.0) return 0.0;
+    float reach = max(dot(back, towards), 0.0) / max(facing, 1e-12);
+    vec3 met = reach * ray - towards;
+    vec3 seen = across.xyz - ray * dot(across.xyz, ray), upwards = up.xyz - ray * dot(up.xyz, ray);
+    float x = clamp(dot(across.xyz, met) / radius, -1000.0, 1000.0);
+    float y = clamp(dot(up.xyz, met) / other, -1000.0, 1000.0);
+    float near = facing / max(reach, 1e-12) * sharp;
+    float wide = min(near * inversesqrt(max(dot(upwards, upwards), 1e-12)), 10000.0);
+    float high = min(near * inversesqrt(max(dot(seen, seen), 1e-12)), 10000.0);
+    if (up.w > 0.5) return radtex_on_disc(wide * high * (x * x + y * y), wide * high);
+    float left = -(1.0 + x) * wide, right = (1.0 - x) * wide, low = -(1.0 + y) * high, top = (1.0 - y) * high;
+    return radtex_to_corner(right, top) - radtex_to_corner(left, top) - radtex_to_corner(right, low)
+        + radtex_to_corner(left, low);
+}
+#endif
+
+// What a lobe of that width² shows of the lamp with that number. Of one that layers are before, a surface whose unit
+// normal is lit.xyz sees no more than the luminance of its irradiance, lit.w, allows.
+vec3 radtex_lamp(int number, vec3 from, vec3 ray, float width, vec4 lit) {
+    vec4 place = radtex_lamp_place[number], light = radtex_lamp_light[number];
     vec3 towards = place.xyz - from;
     float squared = dot(towards, towards), nearer = dot(place.xyz, place.xyz) / squared;
-    float wide = width + place.w * nearer;
+    float size = place.w * nearer, wide = width + size;
     float off = wide + 1.0 - dot(ray, towards) * inversesqrt(squared);
-    float free = 1.0;
+    float free = 1.0, shown = nearer * (1.0 + 0.5 * wide) * wide / (6.2831853 * off * off);
+#ifdef RADTEX_SHAPES
+    vec4 across = radtex_lamp_across[number], up = radtex_lamp_up[number];
+    if (across.w > 0.0) {
+        float share = clamp(2.0 - width / min(8.0 * size, 0.04), 0.0, 1.0);
+        if (share > 0.0) shown += share * (radtex_covered(towards, ray, width, across, up) * across.w - shown);
+        if (dot(up.xyz, up.xyz) > 0.0 && dot(cross(across.xyz, up.xyz), towards) <= 0.0) shown = 0.0;
+    }
+#endif
 #if RADTEX_SHELL > 0
     if (light.w > 0.5) {
         towards *= inversesqrt(squared);
@@ -488,35 +545,35 @@ vec3 radtex_lamp(vec4 place, vec4 light, vec3 from, vec3 ray, float width, vec4 
         if (free > 0.0) free *= radtex_free_way(from, towards, log2(place.w * nearer));
     }
 #endif
-    return light.rgb * (free * nearer * (1.0 + 0.5 * wide) * wide / (6.2831853 * off * off));
+    return light.rgb * (free * shown);
 }
 #endif
 
 vec3 radtex_lamps(vec3 from, vec3 ray, float width, vec4 lit) {
     vec3 light = vec3(0.0, 0.0, 0.0);
 #if RADTEX_LAMPS > 0
-    light += radtex_lamp(radtex_lamp_place[0], radtex_lamp_light[0], from, ray, width, lit);
+    light += radtex_lamp(0, from, ray, width, lit);
 #endif
 #if RADTEX_LAMPS > 1
-    light += radtex_lamp(radtex_lamp_place[1], radtex_lamp_light[1], from, ray, width, lit);
+    light += radtex_lamp(1, from, ray, width, lit);
 #endif
 #if RADTEX_LAMPS > 2
-    light += radtex_lamp(radtex_lamp_place[2], radtex_lamp_light[2], from, ray, width, lit);
+    light += radtex_lamp(2, from, ray, width, lit);
 #endif
 #if RADTEX_LAMPS > 3
-    light += radtex_lamp(radtex_lamp_place[3], radtex_lamp_light[3], from, ray, width, lit);
+    light += radtex_lamp(3, from, ray, width, lit);
 #endif
 #if RADTEX_LAMPS > 4
-    light += radtex_lamp(radtex_lamp_place[4], radtex_lamp_light[4], from, ray, width, lit);
+    light += radtex_lamp(4, from, ray, width, lit);
 #endif
 #if RADTEX_LAMPS > 5
-    light += radtex_lamp(radtex_lamp_place[5], radtex_lamp_light[5], from, ray, width, lit);
+    light += radtex_lamp(5, from, ray, width, lit);
 #endif
 #if RADTEX_LAMPS > 6
-    light += radtex_lamp(radtex_lamp_place[6], radtex_lamp_light[6], from, ray, width, lit);
+    light += radtex_lamp(6, from, ray, width, lit);
 #endif
 #if RADTEX_LAMPS > 7
-    light += radtex_lamp(radtex_lamp_place[7], radtex_lamp_light[7], from, ray, width, lit);
+    light += radtex_lamp(7, from, ray, width, lit);
 #endif
     return light;
 }

@@ -27,6 +27,7 @@ override RADTEX_THINGS: bool = false;   // and their distances
 override RADTEX_SHELL: i32 = 0;         // how many planes of a room the plane layer shows, or 0
 override RADTEX_BOXES: i32 = 0;         // how many boxes things lie in there, or 0
 override RADTEX_LAMPS: i32 = 0;         // how many, 0 to 8
+override RADTEX_SHAPES: bool = false;   // some are rectangles, discs or balls where lobes are sharp, not blurs alone
 override RADTEX_OWN_CELLS: i32 = 14;    // cells along the sides of buckets
 override RADTEX_REST_CELLS: i32 = 8;
 override RADTEX_STEPS: i32 = 1;         // fetches of distances, 0 to 2
@@ -65,6 +66,8 @@ struct RadtexBake {
     box_high: array<vec4f, 8>,  // xyz: the highest corners
     lamp_place: array<vec4f, 8>,  // from the middle, and width²
     lamp_light: array<vec4f, 8>,  // rgb: irradiance at the middle; a: 1 if layers hide it
+    lamp_across: array<vec4f, 8>,  // half a side, or a ball's radius; a: 1 / steradians from the middle, or 0
+    lamp_up: array<vec4f, 8>,      // half of the other side, or a ball's 0; a: 1 if it is a disc
 }
 
 struct RadtexMaterial {
@@ -414,15 +417,76 @@ fn radtex_lit_by(face: vec3f, even: vec3f, colour: vec3f) -> vec4f {
     return vec4f(face, 3.14159265 * radtex_luminance(even) + 1e6 * unknown);
 }
 
-// What a lobe of that width² shows of a lamp. Of one that layers are before, a surface whose unit normal is lit.xyz sees
-// no more than the luminance of its irradiance, lit.w, allows.
-fn radtex_lamp(place: vec4f, light: vec4f, whence: vec3f, ray: vec3f, width: f32, lit: vec4f) -> vec3f {
+// How much of a lobe lies on a disc at a squared distance from its axis, of a squared radius, both in units of the root
+// of 2 width²: the view factor of a disc, as a lobe is a cosine's foreshortening on a plane one unit away.
+fn radtex_on_disc(distance: f32, radius: f32) -> f32 {
+    let apart = distance - radius;
+    return 0.5 - 0.5 * (1.0 + apart) * inverseSqrt(1.0 + 2.0 * (distance + radius) + apart * apart);
+}
+
+// How much of it lies between its axis and a corner, less than 0 in two of the quarters: a rectangle's view factor.
+fn radtex_to_corner(x: f32, y: f32) -> f32 {
+    let across = inverseSqrt(1.0 + x * x);
+    let up = inverseSqrt(1.0 + y * y);
+    return (x * across * atan(y * across) + y * up * atan(x * up)) / 6.2831853;
+}
+
+// How much of a lobe of that width² lies on a lamp, which is `towards` from where it begins; a lamp's shape is as
+// radtex_lamp_across and radtex_lamp_up tell.
+fn radtex_covered(towards: vec3f, ray: vec3f, width: f32, across: vec4f, up: vec4f) -> f32 {
+    let sharp = inverseSqrt(2.0 * width);
+    let radius = dot(across.xyz, across.xyz);
+    let other = dot(up.xyz, up.xyz);
+    if other == 0.0 {
+        let along = dot(towards, ray);
+        let aside = towards / max(along, 1e-12) - ray;
+        let size = min(radius / max(dot(towards, towards) - radius, 1e-12), 1000.0);
+        if along <= 0.0 { return 0.0; }
+        return radtex_on_disc(min(dot(aside, aside), 1e6) * sharp * sharp, size * sharp * sharp);
+    }
+    let back = cross(across.xyz, up.xyz);
+    let facing = dot(back, ray);
+    if facing <= 0.0 { return 0.0; }
+    let reach = max(dot(back, towards), 0.0) / max(facing, 1e-12);
+    let met = reach * ray - towards;
+    let seen = across.xyz - ray * dot(across.xyz, ray);
+    let upwards = up.xyz - ray * dot(up.xyz, ray);
+    let x = clamp(dot(across.xyz, met) / radius, -1000.0, 1000.0);
+    let y = clamp(dot(up.xyz, met) / other, -1000.0, 1000.0);
+    let near = facing / max(reach, 1e-12) * sharp;
+    let wide = min(near * inverseSqrt(max(dot(upwards, upwards), 1e-12)), 10000.0);
+    let high = min(near * inverseSqrt(max(dot(seen, seen), 1e-12)), 10000.0);
+    if up.w > 0.5 { return radtex_on_disc(wide * high * (x * x + y * y), wide * high); }
+    let left = -(1.0 + x) * wide;
+    let right = (1.0 - x) * wide;
+    let low = -(1.0 + y) * high;
+    let top = (1.0 - y) * high;
+    return radtex_to_corner(right, top) - radtex_to_corner(left, top) - radtex_to_corner(right, low)
+        + radtex_to_corner(left, low);
+}
+
+// What a lobe of that width² shows of the lamp with that number. Of one that layers are before, a surface whose unit
+// normal is lit.xyz sees no more than the luminance of its irradiance, lit.w, allows.
+fn radtex_lamp(number: i32, whence: vec3f, ray: vec3f, width: f32, lit: vec4f) -> vec3f {
+    let place = radtex.lamp_place[number];
+    let light = radtex.lamp_light[number];
     var towards = place.xyz - whence;
     let squared = dot(towards, towards);
     let nearer = dot(place.xyz, place.xyz) / squared;
-    let wide = width + place.w * nearer;
+    let size = place.w * nearer;
+    let wide = width + size;
     let off = wide + 1.0 - dot(ray, towards) * inverseSqrt(squared);
     var free = 1.0;
+    var shown = nearer * (1.0 + 0.5 * wide) * wide / (6.2831853 * off * off);
+    if RADTEX_SHAPES {
+        let across = radtex.lamp_across[number];
+        let up = radtex.lamp_up[number];
+        if across.w > 0.0 {
+            let share = clamp(2.0 - width / min(8.0 * size, 0.04), 0.0, 1.0);
+            if share > 0.0 { shown += share * (radtex_covered(towards, ray, width, across, up) * across.w - shown); }
+            if dot(up.xyz, up.xyz) > 0.0 && dot(cross(across.xyz, up.xyz), towards) <= 0.0 { shown = 0.0; }
+        }
+    }
     if RADTEX_SHELL > 0 {
         if light.w > 0.5 {
             towards *= inverseSqrt(squared);
@@ -431,34 +495,34 @@ fn radtex_lamp(place: vec4f, light: vec4f, whence: vec3f, ray: vec3f, width: f32
             if free > 0.0 { free *= radtex_free_way(whence, towards, log2(place.w * nearer)); }
         }
     }
-    return light.rgb * (free * nearer * (1.0 + 0.5 * wide) * wide / (6.2831853 * off * off));
+    return light.rgb * (free * shown);
 }
 
 fn radtex_lamps(whence: vec3f, ray: vec3f, width: f32, lit: vec4f) -> vec3f {
     var light = vec3f(0.0, 0.0, 0.0);
     if RADTEX_LAMPS > 0 {
-        light += radtex_lamp(radtex.lamp_place[0], radtex.lamp_light[0], whence, ray, width, lit);
+        light += radtex_lamp(0, whence, ray, width, lit);
     }
     if RADTEX_LAMPS > 1 {
-        light += radtex_lamp(radtex.lamp_place[1], radtex.lamp_light[1], whence, ray, width, lit);
+        light += radtex_lamp(1, whence, ray, width, lit);
     }
     if RADTEX_LAMPS > 2 {
-        light += radtex_lamp(radtex.lamp_place[2], radtex.lamp_light[2], whence, ray, width, lit);
+        light += radtex_lamp(2, whence, ray, width, lit);
     }
     if RADTEX_LAMPS > 3 {
-        light += radtex_lamp(radtex.lamp_place[3], radtex.lamp_light[3], whence, ray, width, lit);
+        light += radtex_lamp(3, whence, ray, width, lit);
     }
     if RADTEX_LAMPS > 4 {
-        light += radtex_lamp(radtex.lamp_place[4], radtex.lamp_light[4], whence, ray, width, lit);
+        light += radtex_lamp(4, whence, ray, width, lit);
     }
     if RADTEX_LAMPS > 5 {
-        light += radtex_lamp(radtex.lamp_place[5], radtex.lamp_light[5], whence, ray, width, lit);
+        light += radtex_lamp(5, whence, ray, width, lit);
     }
     if RADTEX_LAMPS > 6 {
-        light += radtex_lamp(radtex.lamp_place[6], radtex.lamp_light[6], whence, ray, width, lit);
+        light += radtex_lamp(6, whence, ray, width, lit);
     }
     if RADTEX_LAMPS > 7 {
-        light += radtex_lamp(radtex.lamp_place[7], radtex.lamp_light[7], whence, ray, width, lit);
+        light += radtex_lamp(7, whence, ray, width, lit);
     }
     return light;
 }

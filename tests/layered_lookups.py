@@ -30,6 +30,7 @@ from radtex_addon.forms.layered.files.sidecar import LayeredSidecar
 from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas, alpha_at, sample_layered
 from radtex_addon.forms.layered.lookup.environment import Around, Impostor, Lamp, Shell
 from radtex_addon.forms.layered.lookup.images import Colour, ImageLook, look_of_images
+from radtex_addon.forms.layered.lookup.lamp_shapes import LampShape, ShapeKind
 from radtex_addon.forms.layered.lookup.lobes import Gloss
 from radtex_addon.forms.layered.lookup.ways import Through
 from radtex_addon.forms.layered.shader_values import CLEAR_ALPHA, Stored
@@ -186,6 +187,21 @@ def parted(atlas: LayeredAtlas) -> LayeredAtlas:
     return replace(whole, through=replace(whole.through, ways=ways.astype(np.float32)))
 
 
+def _shape(rng: np.random.Generator, number: int, place: Floats) -> LampShape | None:
+    """One of each kind, and none, in turns; it turns its bright side to the middle."""
+    kinds = [None, *ShapeKind]
+    kind = kinds[number % len(kinds)]
+    if kind is None:
+        return None
+    across = rng.normal(size=3).astype(np.float32)
+    if kind == ShapeKind.BALL:
+        return LampShape(kind, across / 3, np.zeros(3, np.float32), 0.3)
+    up = np.cross(np.cross(across, place), across)
+    up *= rng.uniform(0.3, 0.9) / np.linalg.norm(up)
+    up = up if np.cross(across, up) @ place > 0 else -up
+    return LampShape(kind, across, up.astype(np.float32), 0.2)
+
+
 def everything(atlas: LayeredAtlas) -> LayeredAtlas:
     """With every optional map, more lamps, and light that comes through."""
     rng = np.random.default_rng(7)
@@ -196,7 +212,10 @@ def everything(atlas: LayeredAtlas) -> LayeredAtlas:
     rest = _buckets(rng, uv, THROUGH, 3) * 0.4 - 0.1
     place, light = (3 * normalised(rng.normal(size=(7, 3))), rng.uniform(0, 1, (7, 3)))
     lit = zip(place.astype(np.float32), light.astype(np.float32), rng.uniform(1e-3, 0.02, 7), strict=True)
-    lamps = tuple(Lamp(place, light, float(size)) for place, light, size in lit)
+    lamps = tuple(
+        Lamp(place, light, float(size), shape=_shape(rng, number, place))
+        for number, (place, light, size) in enumerate(lit)
+    )
     return replace(
         atlas,
         colour=atlas.colour * alpha,
@@ -336,7 +355,7 @@ _CHOICES: dict[str, tuple[str, ...]] = {
     "gloss": ("", "RADTEX_GLOSSES"),
     "plane": ("", "RADTEX_PLANE", "RADTEX_PLANE RADTEX_SHELL=6"),
     "things": ("", "RADTEX_THINGS", "RADTEX_THINGS RADTEX_BOXES=3"),
-    "lamps": ("RADTEX_LAMPS=0", "RADTEX_LAMPS=1", "RADTEX_LAMPS=8"),
+    "lamps": ("RADTEX_LAMPS=0", "RADTEX_LAMPS=1", "RADTEX_LAMPS=8", "RADTEX_LAMPS=8 RADTEX_SHAPES"),
     "cells": ("RADTEX_REST_CELLS=8", "RADTEX_REST_CELLS=14"),
     "through": ("", "RADTEX_THROUGH RADTEX_EXIT_CELLS=16 RADTEX_EXIT_TAPS=16 RADTEX_THROUGH_CELLS=8"),
     "images": ("", "RADTEX_IMAGES"),

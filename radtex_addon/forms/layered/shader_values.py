@@ -8,7 +8,7 @@ such, so that they may lie in a uniform buffer in any order.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -42,6 +42,7 @@ from .files.arrangement import (
 from .files.sidecar import LayeredSidecar
 from .lookup.environment import MOST_BOXES, MOST_LAMPS, MOST_PLANES, Plane, Shell
 from .lookup.images import ROWS
+from .lookup.lamp_shapes import LampShape, ShapeKind
 from .lookup.lobes import STEPS, Material
 
 Values = dict[str, list[float] | list[list[float]]]
@@ -107,6 +108,8 @@ BAKE_BUFFER = {
     "radtex_box_high": MOST_BOXES,
     "radtex_lamp_place": MOST_LAMPS,
     "radtex_lamp_light": MOST_LAMPS,
+    "radtex_lamp_across": MOST_LAMPS,
+    "radtex_lamp_up": MOST_LAMPS,
 }
 MATERIAL_BUFFER = {"radtex_material": STEPS, "radtex_lobes": 2 * STEPS, "radtex_gloss": 1}
 IMAGES_BUFFER = {IMAGES: ROWS}  # of a material by its own images; in HLSL alone
@@ -182,6 +185,8 @@ def definitions(sidecar: LayeredSidecar, cost: LookupCost = DEFAULT) -> dict[str
         )
     found = {f"RADTEX_{layer.upper()}": 1 for layer in _OPTIONAL if layer in layers}
     found |= {"RADTEX_LAMPS": lamps, "RADTEX_REST_CELLS": sidecar.rest_cells}
+    if lamps and any(lamp.shape is not None for lamp in sidecar.lamps):
+        found["RADTEX_SHAPES"] = 1
     if PLANE in layers and isinstance(sidecar.plane, Shell):
         found["RADTEX_SHELL"] = len(sidecar.plane.heights)
     if THINGS in layers and len(sidecar.boxes):
@@ -228,6 +233,7 @@ def bake_values(sidecar: LayeredSidecar, stored: Mapping[str, Stored], cost: Loo
             lamps = sidecar.lamps
             values["radtex_lamp_place"] = [_row([*lamp.place, lamp.variance]) for lamp in lamps]
             values["radtex_lamp_light"] = [_row([*lamp.irradiance, lamp.behind]) for lamp in lamps]
+            values |= _shape_values([lamp.shape for lamp in lamps])
     if THINGS in layers:
         mean = stored[DISTANCES].mean if DISTANCES in stored else 0.0
         if mean <= 0:
@@ -236,6 +242,18 @@ def bake_values(sidecar: LayeredSidecar, stored: Mapping[str, Stored], cost: Loo
     if PLANE in layers and sidecar.plane is not None:
         values |= _plane_values(sidecar.plane)
     return values
+
+
+def _shape_values(shapes: Sequence[LampShape | None]) -> Values:
+    """The shapes of lamps, if any has one; the fourth number of `across` is 0 where a lamp has none."""
+    if not any(shapes):
+        return {}
+    across = [[0.0] * 4 if one is None else [*one.across, 1 / one.solid] for one in shapes]
+    up = [[0.0] * 4 if one is None else [*one.up, one.kind == ShapeKind.DISC] for one in shapes]
+    return {
+        "radtex_lamp_across": [_row(row) for row in across],
+        "radtex_lamp_up": [_row(row) for row in up],
+    }
 
 
 def _things_values(sidecar: LayeredSidecar, mean: float) -> Values:

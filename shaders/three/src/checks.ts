@@ -23,7 +23,7 @@ const LAYERS = [
 ];
 // What may be defined in a shader of the layered layout, and from which whole number to which.
 const DEFINES = new Map<string, Range>([
-  ...["TINT", "NORMAL", "WIDTH", "ALPHA", "PLANE", "THINGS", "MIRRORS", "GLOSSES", "THROUGH", "SRGB"].map(
+  ...["TINT", "NORMAL", "WIDTH", "ALPHA", "PLANE", "THINGS", "MIRRORS", "GLOSSES", "SHAPES", "THROUGH", "SRGB"].map(
     (name): [string, Range] => [`RADTEX_${name}`, [1, 1]],
   ),
   ...["OWN_CELLS", "REST_CELLS", "EXIT_CELLS", "THROUGH_CELLS"].map((name): [string, Range] => [`RADTEX_${name}`, [1, 64]]),
@@ -47,6 +47,8 @@ const VECTORS = new Set([
 const COUNTED = new Map([
   ["radtex_lamp_place", "RADTEX_LAMPS"],
   ["radtex_lamp_light", "RADTEX_LAMPS"],
+  ["radtex_lamp_across", "RADTEX_LAMPS"],
+  ["radtex_lamp_up", "RADTEX_LAMPS"],
   ["radtex_shell", "RADTEX_SHELL"],
   ["radtex_box_low", "RADTEX_BOXES"],
   ["radtex_box_high", "RADTEX_BOXES"],

@@ -34,6 +34,7 @@ from ....scene.mesh.render_contents import Shown, read_render
 from ....scene.regroup import regroup
 from ....settings.spec import Kind
 from ..lookup.environment import MOST_LAMPS, Lamp, lamps_of
+from ..lookup.lamp_shapes import LampShape, ShapeKind
 from .hidden_lamps import HideableLamp, hidden_lamps
 from .own_rays import dark_world
 from .room import Room
@@ -82,6 +83,18 @@ class LampShown:
     @property
     def diameter(self) -> float:
         return max(self.sides.values()) * self.stretch
+
+    def shape(self, area: float) -> LampShape:
+        """As large as `area` says, the part of what a picture of it shows."""
+        if self.data.type != "AREA":
+            radius = np.array([self.diameter / 2, 0, 0], dtype=np.float32)
+            return LampShape(ShapeKind.BALL, radius, np.zeros(3, dtype=np.float32), area)
+        sides = list(self.sides.values())
+        across, up = (self.matrix[:3, 0] * sides[0] / 2, self.matrix[:3, 1] * sides[-1] / 2)
+        if np.cross(across, up) @ self.matrix[:3, 2] < 0:  # it shines along its -Z, also where it is mirrored
+            up = -up
+        kind = ShapeKind.DISC if self.data.shape in ("DISK", "ELLIPSE") else ShapeKind.RECTANGLE
+        return LampShape(kind, across.astype(np.float32), up.astype(np.float32), area)
 
     def towards(self, middle: Floats) -> Floats:
         """From the middle to the lamp, (3,); a sun is far away."""
@@ -155,7 +168,7 @@ def find_lamps(
     if not lamps:
         return ()
     anchor = cast(bpy.types.Object, bpy.data.objects.new("RadTex anchor", None))
-    shown, shares = zip(*(_alone(lamp, anchor, middle) for lamp in lamps), strict=True)
+    shown, shares, areas = zip(*(_alone(lamp, anchor, middle) for lamp in lamps), strict=True)
     direction = cell_directions(_SIZE).astype(np.float32)
     copies = [LampShown(copy, lamp.matrix) for copy, lamp in zip(shown, lamps, strict=True)]
     some = np.flatnonzero(np.any([_may_see(direction, copy, middle) for copy in copies], axis=0))
@@ -169,7 +182,8 @@ def find_lamps(
     radiance = np.zeros((len(direction), 3), dtype=np.float32)
     radiance[some] = np.concatenate(found)
     towards = [lamp.towards(middle) for lamp in lamps]
-    return brightest(lamps_of(direction, radiance, towards, shares, behind))
+    shapes = [lamp.shape(area) for lamp, area in zip(lamps, areas, strict=True)]
+    return brightest(lamps_of(direction, radiance, towards, shares, behind, shapes))
 
 
 def brightest(lamps: Sequence[Lamp]) -> tuple[Lamp, ...]:
@@ -214,8 +228,10 @@ def _power(data: Any) -> float:
     return float(data.energy * max(data.color))
 
 
-def _alone(lamp: LampShown, anchor: bpy.types.Object, middle: Floats) -> tuple[bpy.types.Object, float]:
-    """A copy of a lamp as the picture shows it, and the lamp's width² over the copy's.
+def _alone(
+    lamp: LampShown, anchor: bpy.types.Object, middle: Floats
+) -> tuple[bpy.types.Object, float, float]:
+    """A copy of a lamp as the picture shows it, and the lamp's width² and area over the copy's.
 
     It lights all, stands where renders have the lamp, and is as large as the picture needs.
     """
@@ -233,15 +249,15 @@ def _alone(lamp: LampShown, anchor: bpy.types.Object, middle: Floats) -> tuple[b
     sides = lamp.sides
     larger = {name: max(side, least) for name, side in sides.items()}
     if larger == sides:
-        return copy, 1.0
+        return copy, 1.0, 1.0
     for name, side in larger.items():
         unit = {"angle": _FAR, "shadow_soft_size": 2.0}.get(name, 1.0)
         setattr(data, name, side / unit)
+    area, enlarged = (math.prod((list(found.values()) * 2)[:2]) for found in (sides, larger))
     if not getattr(data, "normalize", True):  # it sends as much from each part of it, of which there are more
-        both = [(list(found.values()) * 2)[:2] for found in (sides, larger)]
-        data.energy *= math.prod(both[0]) / math.prod(both[1])
+        data.energy *= area / enlarged
     squares = [sum(side**2 for side in found.values()) for found in (sides, larger)]
-    return copy, squares[0] / squares[1]
+    return copy, squares[0] / squares[1], area / enlarged
 
 
 def _may_see(direction: Floats, lamp: LampShown, middle: Floats) -> Bools:

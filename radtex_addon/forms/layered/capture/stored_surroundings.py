@@ -9,6 +9,7 @@ import numpy as np
 from ....bake.piece_store import Arrays
 from ....core.arrays import Floats
 from ..lookup.environment import Around, Impostor, Lamp, Pictures, Plane, Shell, SurroundingLayer
+from ..lookup.lamp_shapes import LampShape, ShapeKind
 
 
 def arrays_of(around: Around) -> Arrays:
@@ -28,7 +29,23 @@ def arrays_of(around: Around) -> Arrays:
         [[*lamp.place, *lamp.irradiance, lamp.variance, lamp.behind] for lamp in around.lamps],
         dtype=np.float64,
     ).reshape(-1, 8)
+    found["lamp_shapes"] = np.array(
+        [_shape_row(lamp.shape) for lamp in around.lamps], dtype=np.float64
+    ).reshape(-1, 8)
     return found
+
+
+def _shape_row(shape: LampShape | None) -> list[float]:
+    """The number of its kind, -1 for none, its vectors, and how large it is."""
+    if shape is None:
+        return [-1.0] + [0.0] * 7
+    return [float(list(ShapeKind).index(shape.kind)), *shape.across, *shape.up, shape.solid]
+
+
+def _shape_of(row: Floats) -> LampShape | None:
+    if row[0] < 0:
+        return None
+    return LampShape(list(ShapeKind)[int(row[0])], _single(row[1:4]), _single(row[4:7]), float(row[7]))
 
 
 def around_of(arrays: Arrays) -> Around:
@@ -48,8 +65,10 @@ def around_of(arrays: Arrays) -> Around:
             shell = next((each.shape for each in layers if isinstance(each.shape, Shell)), None)
             shape = Impostor(arrays[f"nearness{number}"], eye, arrays[f"boxes{number}"], shell)
         layers.append(SurroundingLayer(_pictures(f"layer{number}", arrays), shape))
+    shapes = [_shape_of(row) for row in arrays["lamp_shapes"]]
     lamps = tuple(
-        Lamp(_single(row[:3]), _single(row[3:6]), float(row[6]), bool(row[7])) for row in arrays["lamps"]
+        Lamp(_single(row[:3]), _single(row[3:6]), float(row[6]), bool(row[7]), shape)
+        for row, shape in zip(arrays["lamps"], shapes, strict=True)
     )
     return Around(arrays["middle"], _pictures("world", arrays), tuple(layers), lamps)
 

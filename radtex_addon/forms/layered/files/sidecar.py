@@ -26,6 +26,7 @@ from ..lookup.environment import (
     SurroundingLayer,
 )
 from ..lookup.images import Colour, ImageLook
+from ..lookup.lamp_shapes import LampShape, ShapeKind
 from ..lookup.lobes import LOBES, STEPS, Gloss, Material
 from .arrangement import (
     ALPHA,
@@ -247,6 +248,7 @@ class LayeredSidecar:
                 "irradiance": _row(lamp.irradiance),
                 "variance": _short(lamp.variance),
                 **({"behind": True} if lamp.behind else {}),
+                **({"shape": _shape_facts(lamp.shape)} if lamp.shape is not None else {}),
             }
             for lamp in self.lamps
         ]
@@ -342,6 +344,8 @@ class LayeredSidecar:
             found += [material.weight, np.log(material.variance), material.bend]
         for lamp in self.lamps:
             found += [lamp.place, lamp.irradiance, np.log([lamp.variance])]
+            if lamp.shape is not None:
+                found += [lamp.shape.across, lamp.shape.up]
         if isinstance(self.plane, Shell):
             found += [self.plane.normals, self.plane.heights, self.plane.eye]
         elif self.plane is not None:
@@ -366,7 +370,23 @@ def _picture_in(facts: Facts) -> OctahedralPicture:
 
 def _lamp(facts: Facts) -> Lamp:
     behind = "behind" in facts.values and facts.truth("behind")
-    return Lamp(_vector(facts, "place"), _vector(facts, "irradiance"), facts.positive("variance"), behind)
+    shape = _shape(facts.inner("shape")) if "shape" in facts.values else None
+    variance = facts.positive("variance")
+    return Lamp(_vector(facts, "place"), _vector(facts, "irradiance"), variance, behind, shape)
+
+
+def _shape_facts(shape: LampShape) -> dict[str, Any]:
+    sides = {"across": _row(shape.across)} | ({"up": _row(shape.up)} if shape.up.any() else {})
+    return {"kind": shape.kind.value, **sides, "solid": _short(shape.solid)}
+
+
+def _shape(facts: Facts) -> LampShape:
+    kind = ShapeKind(facts.choice("kind", tuple(ShapeKind)))
+    up = np.zeros(3, np.float32) if kind == ShapeKind.BALL else _vector(facts, "up")
+    across = _vector(facts, "across")
+    if not across.any() or (kind != ShapeKind.BALL and not np.cross(across, up).any()):
+        raise FormatError(f"{facts.source} has a lamp without an area")
+    return LampShape(kind, across, up, facts.positive("solid"))
 
 
 def _boxes(things: SurroundingLayer) -> Floats:

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import cast
 
@@ -17,6 +17,7 @@ from ....core.gutter import dilate, nearest_covered
 from ....core.octahedron import cell_directions, direction_to_octahedron, octahedron_cell
 from ..cells import DISTANCES
 from .blurred_levels import LevelMaps, blurred_levels, level_count, level_sizes, sharpest_variance
+from .lamp_shapes import LampShape
 from .lobes import lobe
 
 MOST_LAMPS = 8  # that shaders mirror
@@ -34,6 +35,7 @@ LEAST_FACING = 0.1  # cosine between a normal and the way to a lamp
 KNOWN = 50.0  # one over the diffuse colour from which on irradiance is known
 BRIGHTER = 1e6  # than any sun
 FARTHEST = 1e6  # how far away a ray meets a shell that it leaves
+_LEAST_SHAPE = 2e-5  # width² of a lamp whose shape nothing sees: a quarter of a degree
 SOLID = 0.98  # of a thing's distance: what is further away is not before it
 
 _Bounds = tuple[Floats, Floats, Floats]  # where rays enter and leave a box, and meet the shell: (N,) each
@@ -359,13 +361,14 @@ class Lamp:
     """A lamp that is seen: its `place` (3,) from the middle, `irradiance` (3,) there, `variance` of its size.
 
     The irradiance is that of a surface at the middle that faces it, the variance in radians² along each axis.
-    `behind`: the layers are before it, as walls and windows are before a sun.
+    `behind`: the layers are before it, as walls and windows are before a sun. Without a `shape` it is a blur.
     """
 
     place: Floats
     irradiance: Floats
     variance: float
     behind: bool = False
+    shape: LampShape | None = None
 
     def light(self, offset: Floats, axis: Floats, variance: Floats) -> Floats:
         """What rays see of it, blurred by variances (N,): (3, N)."""
@@ -373,8 +376,14 @@ class Lamp:
         distance = np.linalg.norm(towards, axis=0)
         squared = 2 * (1 - (axis.T * towards).sum(axis=0) / distance)
         nearer = float((self.place**2).sum()) / distance**2
-        wide = variance + self.variance * nearer
-        shown = nearer * lobe(squared, wide)
+        size = self.variance * nearer
+        shown = nearer * lobe(squared, variance + size)
+        if self.shape is not None:
+            sharp = self.shape.share(variance, size)
+            some = np.flatnonzero(sharp)
+            covered = self.shape.covered(towards[:, some], axis.T[:, some], variance[some])
+            shown[some] += sharp[some] * (covered / self.shape.solid - shown[some])
+            shown *= self.shape.faces(towards)
         return cast(Floats, self.irradiance[:, None].astype(np.float32) * shown.astype(np.float32))
 
 
@@ -423,12 +432,13 @@ def lamps_of(
     places: Sequence[Floats],
     shares: Sequence[float] | None = None,
     behind: Sequence[bool] | None = None,
+    shapes: Sequence[LampShape | None] | None = None,
 ) -> tuple[Lamp, ...]:
     """Lamps from a picture of them alone, in size x size cells of the octahedron.
 
     `direction` (P, 3) and `radiance` (P, 3) are the cells'; `places` (3,) the lamps', from the middle. A lamp
     that covers no cell's centre is left out. `shares`: the lamps' width² over that of what the picture
-    shows; `behind` as in `Lamp`.
+    shows; `behind` as in `Lamp`; `shapes`, whose `solid` is in units of what the picture shows of each.
     """
     lit = radiance.sum(axis=1) > 0
     solid = 4 * np.abs(direction[lit]).sum(axis=1) ** 3 / len(direction)  # of a cell, on the sphere
@@ -448,5 +458,8 @@ def lamps_of(
         variance *= 1.0 if shares is None else shares[number]
         at = centre * np.linalg.norm(place)
         outside = behind is not None and behind[number]
-        found.append(Lamp(at.astype(np.float32), sent.sum(axis=0), max(variance, 1e-7), outside))
+        shape = None if shapes is None or variance < _LEAST_SHAPE else shapes[number]
+        if shape is not None:
+            at, shape = place, replace(shape, solid=float(shape.solid * solid[own].sum()))
+        found.append(Lamp(at.astype(np.float32), sent.sum(axis=0), max(variance, 1e-7), outside, shape))
     return tuple(found)

@@ -30,6 +30,7 @@ from ..lookup.environment import (
     Shell,
 )
 from .images import constant, ordered
+from .lamps import lamp_facts, lamp_group, shape_group
 
 _LEAST = 1e-12  # width²
 _LEAST_RATIO, _MOST_RATIO = 1 / 16, 4.0  # as in lookup.environment
@@ -55,7 +56,7 @@ def around_group(
     if THINGS in facts.pictures:
         picture = picture_group("Things", images[THINGS], facts.pictures[THINGS], octahedron)
         near.append(_over_group("Things", picture, _things_group(images[DISTANCES], octahedron, facts)))
-    lamp = _lamp_group() if facts.lamps else None
+    lamp = lamp_group() if facts.lamps else None
     shaded = shaded_lamps(facts)
     build, (offset, axis, spread, *most) = open_group(
         "RadTex Surroundings",
@@ -74,7 +75,10 @@ def around_group(
         light, _ = build.group(layer, light, 1.0, there, along, wide)
     for one in facts.lamps if lamp is not None else ():
         there, along, wide = _all_late(build, offset, axis, spread, light)
-        (shown,) = build.group(lamp, there, along, wide, *_lamp_facts(one))  # type: ignore[arg-type]
+        (shown,) = build.group(lamp, there, along, wide, *lamp_facts(one))  # type: ignore[arg-type]
+        if one.shape is not None:
+            there, along, wide = _all_late(build, offset, axis, spread, shown)
+            (shown,) = build.group(shape_group(one, one.shape), there, along, wide, shown)
         light = build.vector("ADD", light, build.vector("SCALE", shown, opened[one]) if one.behind else shown)
     return close_group(build, Light=light)
 
@@ -399,38 +403,3 @@ def _nearness_group(image: bpy.types.Image, octahedron: bpy.types.ShaderNodeTree
     position = build.vector("MULTIPLY", place, pair(size - 1, size - 1))
     (near,) = bilinear(build, pixel, position, last=pair(size - 1, size - 1))
     return close_group(build, Nearness=near)
-
-
-def _lamp_group() -> bpy.types.ShaderNodeTree:
-    """`Lamp.light`: Place and Irradiance as in `Lamp`, Variance, and the place's squared Distance."""
-    build, (offset, axis, spread, place, irradiance, variance, distance) = open_group(
-        "RadTex Lamp",
-        Offset="Vector",
-        Axis="Vector",
-        Spread="Float",
-        Place="Vector",
-        Irradiance="Vector",
-        Variance="Float",
-        Distance="Float",
-    )
-    towards = build.vector("SUBTRACT", place, offset)
-    length = build.vector("LENGTH", towards)
-    cosine = build.math("DIVIDE", build.vector("DOT_PRODUCT", axis, towards), length)
-    squared = build.math("MULTIPLY", build.math("SUBTRACT", 1.0, cosine), 2.0)
-    nearer = build.math("DIVIDE", distance, build.math("MULTIPLY", length, length))
-    wide = build.math("MULTIPLY_ADD", variance, nearer, spread)
-    tail = build.math("ADD", 1.0, build.math("DIVIDE", squared, build.math("MULTIPLY", wide, 2.0)))
-    shape = build.math(
-        "DIVIDE", build.math("MULTIPLY_ADD", wide, 0.5, 1.0), build.math("MULTIPLY", wide, 2 * pi)
-    )
-    shown = build.math("DIVIDE", shape, build.math("MULTIPLY", tail, tail))
-    return close_group(build, Light=build.vector("SCALE", irradiance, build.math("MULTIPLY", nearer, shown)))
-
-
-def _lamp_facts(lamp: Lamp) -> tuple[tuple[float, ...] | float, ...]:
-    return (
-        constant(lamp.place),
-        constant(lamp.irradiance),
-        float(lamp.variance),
-        float(lamp.place @ lamp.place),
-    )
