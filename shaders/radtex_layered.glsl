@@ -513,7 +513,12 @@ float radtex_covered(vec3 towards, vec3 ray, float width, vec4 across, vec4 up) 
     float near = facing / max(reach, 1e-12) * sharp;
     float wide = min(near * inversesqrt(max(dot(upwards, upwards), 1e-12)), 10000.0);
     float high = min(near * inversesqrt(max(dot(seen, seen), 1e-12)), 10000.0);
-    if (up.w > 0.5) return radtex_on_disc(wide * high * (x * x + y * y), wide * high);
+    if (up.w > 0.5) {
+        float a = wide * wide, b = high * high, area = wide * high, inside = x * x + y * y;
+        float like = area * (sqrt((1.0 + a) * (1.0 + b)) + area) / (1.0 + a + b);  // a circle, for an ellipse
+        float beyond = (x * x * a + y * y * b) * (1.0 - 1.0 / max(inside, 1.0));
+        return radtex_on_disc(like * min(inside, 1.0) + beyond, like);
+    }
     float left = -(1.0 + x) * wide, right = (1.0 - x) * wide, low = -(1.0 + y) * high, top = (1.0 - y) * high;
     return radtex_to_corner(right, top) - radtex_to_corner(left, top) - radtex_to_corner(right, low)
         + radtex_to_corner(left, low);

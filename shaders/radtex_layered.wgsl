@@ -456,7 +456,15 @@ fn radtex_covered(towards: vec3f, ray: vec3f, width: f32, across: vec4f, up: vec
     let near = facing / max(reach, 1e-12) * sharp;
     let wide = min(near * inverseSqrt(max(dot(upwards, upwards), 1e-12)), 10000.0);
     let high = min(near * inverseSqrt(max(dot(seen, seen), 1e-12)), 10000.0);
-    if up.w > 0.5 { return radtex_on_disc(wide * high * (x * x + y * y), wide * high); }
+    if up.w > 0.5 {
+        let a = wide * wide;
+        let b = high * high;
+        let area = wide * high;
+        let inside = x * x + y * y;
+        let like = area * (sqrt((1.0 + a) * (1.0 + b)) + area) / (1.0 + a + b);  // a circle, for an ellipse
+        let beyond = (x * x * a + y * y * b) * (1.0 - 1.0 / max(inside, 1.0));
+        return radtex_on_disc(like * min(inside, 1.0) + beyond, like);
+    }
     let left = -(1.0 + x) * wide;
     let right = (1.0 - x) * wide;
     let low = -(1.0 + y) * high;

@@ -32,6 +32,7 @@ from radtex_addon.forms.layered.lookup.environment import (
     SurroundingLayer,
     lamps_of,
 )
+from radtex_addon.forms.layered.lookup.lamp_shapes import LampShape, ShapeKind
 from radtex_addon.forms.layered.lookup.lobes import STEPS, Material, lobe, seen_free
 from tests.layered.made_up import flat_plan, places_of
 
@@ -224,6 +225,39 @@ def spread_by_lobe(rng: np.random.Generator, axis: Floats, normal: Floats, varia
     off = np.cos(turn)[:, None] * up + np.sin(turn)[:, None] * np.cross(axis, up)
     found: Floats = np.cos(angle)[:, None] * axis + np.sin(angle)[:, None] * off
     return found
+
+
+@pytest.mark.parametrize("kind", ShapeKind)
+@pytest.mark.parametrize("width", [0.01, 0.05, 0.15])
+def test_how_much_of_a_lobe_lies_on_a_lamp_is_what_its_rays_say(kind: ShapeKind, width: float) -> None:
+    """A slanted lamp two units away, seen by lobes towards its middle, an edge, a corner and beside it."""
+    rng, count = np.random.default_rng(3), 200_000
+    across, up = np.array([0.5, 0.2, 0.1]), np.array([-0.05, 0.15, -0.05])
+    up = up - across * (up @ across) / (across @ across)
+    place = np.array([0.1, 0.0, 2.0])
+    up = up if np.cross(across, up) @ place > 0 else -up
+    shape = LampShape(kind, across, np.zeros(3) if kind == ShapeKind.BALL else up, 1.0)
+    for aim in (place, place + across, place + across + up, place + 1.6 * across, place - 2 * up):
+        axis = np.tile(aim / np.linalg.norm(aim), (count, 1))
+        normal = np.broadcast_to(np.array([1.0, 0, 0]), axis.shape)
+        ray = spread_by_lobe(rng, axis, normal, np.full(count, width**2))
+        if kind == ShapeKind.BALL:
+            along = ray @ place
+            met = (along > 0) & (place @ place - along**2 < across @ across)
+        else:
+            back = np.cross(across, up)
+            facing = ray @ back
+            hit = ray * (back @ place / facing)[:, None] - place
+            x, y = hit @ across / (across @ across), hit @ up / (up @ up)
+            inside = x * x + y * y < 1 if kind == ShapeKind.DISC else np.maximum(np.abs(x), np.abs(y)) < 1
+            met = (facing > 0) & inside
+        towards, one = place[:, None].astype(np.float32), axis[:1].T.astype(np.float32)
+        (found,) = shape.covered(towards, one, np.full(1, width**2, np.float32))
+        print(f"{kind}, {width}: {found:.4f}, {met.mean():.4f} by {count} rays")
+        # At the tip of an ellipse three times as long as high the circle that stands for it is too blunt.
+        np.testing.assert_allclose(found, met.mean(), atol=0.11 if kind == ShapeKind.DISC else 0.03)
+    assert shape.faces(place[:, None]) == 1
+    assert shape.faces(-place[:, None]) == (kind == ShapeKind.BALL)
 
 
 def test_a_picture_of_a_point_is_blurred_to_the_lobe() -> None:

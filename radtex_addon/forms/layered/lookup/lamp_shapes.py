@@ -81,7 +81,7 @@ class LampShape:
             for line in (across, up)
         )
         if self.kind == ShapeKind.DISC:
-            found = _disc(wide * high * (x * x + y * y), wide * high)
+            found = _disc(*_as_circle(x, y, wide, high))
         else:
             left, right, low, top = -(1 + x) * wide, (1 - x) * wide, -(1 + y) * high, (1 - y) * high
             found = _corner(right, top) - _corner(left, top) - _corner(right, low) + _corner(left, low)
@@ -92,6 +92,18 @@ def _disc(distance: Floats, radius: Floats) -> Floats:
     """How much of the lobe lies on a disc at a squared distance from its axis, of a squared radius."""
     apart = distance - radius
     return 0.5 - 0.5 * (1 + apart) / np.sqrt(1 + 2 * (distance + radius) + apart * apart)
+
+
+def _as_circle(x: Floats, y: Floats, wide: Floats, high: Floats) -> tuple[Floats, Floats]:
+    """The squared distance and radius of a circle for an ellipse, whose halves are `wide` and `high`.
+
+    The axis meets its plane at (x, y), in units of these. In the middle and far away it is exact.
+    """
+    across, up, area = wide * wide, high * high, wide * high
+    radius = area * (np.sqrt((1 + across) * (1 + up)) + area) / (1 + across + up)
+    inside = x * x + y * y
+    beyond = (x * x * across + y * y * up) * (1 - 1 / np.maximum(inside, 1))
+    return radius * np.minimum(inside, 1) + beyond, radius
 
 
 def _corner(x: Floats, y: Floats) -> Floats:

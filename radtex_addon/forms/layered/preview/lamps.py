@@ -121,9 +121,7 @@ def _flat_covered(
     x, y = along(across), along(up)
     wide, high = half(up), half(across)
     if shape.kind == ShapeKind.DISC:
-        area = build.math("MULTIPLY", wide, high)
-        apart = build.math("MULTIPLY_ADD", x, x, build.math("MULTIPLY", y, y))
-        found = _on_disc(build, build.math("MULTIPLY", area, apart), area)
+        found = _on_disc(build, *_as_circle(build, x, y, wide, high))
     else:
         right, top = (
             build.math("MULTIPLY", build.math("SUBTRACT", 1.0, place), size)
@@ -136,6 +134,25 @@ def _flat_covered(
         below = build.math("SUBTRACT", _corner(build, right, low), _corner(build, left, low))
         found = build.math("DIVIDE", build.math("SUBTRACT", above, below), 2 * pi)
     return build.math("MULTIPLY", found, build.math("GREATER_THAN", facing, 0.0))
+
+
+def _as_circle(build: NodeBuilder, x: Socket, y: Socket, wide: Socket, high: Socket) -> tuple[Socket, Socket]:
+    """The squared distance and radius of a circle for an ellipse: see lamp_shapes.py."""
+
+    def square(one: Socket, more: float = 0.0) -> Socket:
+        return build.math("MULTIPLY_ADD", one, one, more)
+
+    area = build.math("MULTIPLY", wide, high)
+    both = build.math("SQRT", build.math("MULTIPLY", square(wide, 1.0), square(high, 1.0)))
+    over = build.math("ADD", square(wide, 1.0), square(high))
+    radius = build.math("DIVIDE", build.math("MULTIPLY", area, build.math("ADD", both, area)), over)
+    inside = build.math("ADD", square(x), square(y))
+    aside = build.math(
+        "ADD", square(build.math("MULTIPLY", x, wide)), square(build.math("MULTIPLY", y, high))
+    )
+    left = build.math("SUBTRACT", 1.0, build.math("DIVIDE", 1.0, build.math("MAXIMUM", inside, 1.0)))
+    within = build.math("MULTIPLY", radius, build.math("MINIMUM", inside, 1.0))
+    return build.math("MULTIPLY_ADD", aside, left, within), radius
 
 
 def _on_disc(build: NodeBuilder, away: Socket, radius: Socket) -> Socket:
