@@ -47,7 +47,10 @@ def test_every_uniform_of_everything_is_in_a_buffer() -> None:
     numbers = np.reshape(buffer_of(values, BAKE_BUFFER), (-1, 4))
     assert len(numbers) == sum(BAKE_BUFFER.values())
     np.testing.assert_allclose(numbers[0, :3], case.sidecar.middle, rtol=1e-6)
-    np.testing.assert_allclose(numbers[-1, :3], case.sidecar.lamps[-1].irradiance, rtol=1e-6)
+    np.testing.assert_allclose(numbers[-17, :3], case.sidecar.lamps[-1].irradiance, rtol=1e-6)
+    shape = case.sidecar.lamps[-1].shape
+    assert shape is not None
+    np.testing.assert_allclose(numbers[-1, :3], shape.up, rtol=1e-6)
 
 
 def test_what_is_not_looked_up_is_not_read() -> None:

@@ -65,7 +65,8 @@ def around_of(arrays: Arrays) -> Around:
             shell = next((each.shape for each in layers if isinstance(each.shape, Shell)), None)
             shape = Impostor(arrays[f"nearness{number}"], eye, arrays[f"boxes{number}"], shell)
         layers.append(SurroundingLayer(_pictures(f"layer{number}", arrays), shape))
-    shapes = [_shape_of(row) for row in arrays["lamp_shapes"]]
+    older = np.full((len(arrays["lamps"]), 8), -1.0)  # what was begun before lamps had shapes
+    shapes = [_shape_of(row) for row in arrays.get("lamp_shapes", older)]
     lamps = tuple(
         Lamp(_single(row[:3]), _single(row[3:6]), float(row[6]), bool(row[7]), shape)
         for row, shape in zip(arrays["lamps"], shapes, strict=True)

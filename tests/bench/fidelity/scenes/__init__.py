@@ -12,7 +12,7 @@ from collections.abc import Callable
 
 from .asset import asset
 from .bands import bands
-from .brushed import brushed
+from .brushed import brushed, lamps
 from .coat import coat
 from .curtain import curtain
 from .flats import flats
@@ -34,4 +34,5 @@ SCENES: dict[str, Callable[[], Stage]] = {
     "thick_glass": thick_glass,
     "plant": plant,
     "curtain": curtain,
+    "lamps": lamps,
 }

@@ -175,10 +175,15 @@ def ball(where: tuple[float, float], radius: float, floor: float, colour: tuple[
     assign(made(), principled("Ball", colour, Roughness=0.35))
 
 
-def lamp(place: tuple[float, float, float], size: float, watts: float) -> None:
-    """Hang a square area lamp that shines at the origin."""
-    data = cast(bpy.types.AreaLight, bpy.data.lights.new("Lamp", "AREA"))
-    data.size, data.energy = size, watts
+def lamp(place: tuple[float, float, float], size: float, watts: float, shape: str = "SQUARE") -> None:
+    """Hang an area lamp that shines at the origin, or with the shape BALL a point lamp; so wide."""
+    if shape == "BALL":
+        data: Any = bpy.data.lights.new("Lamp", "POINT")
+        data.shadow_soft_size = size / 2
+    else:
+        data = bpy.data.lights.new("Lamp", "AREA")
+        data.shape, data.size = shape, size
+    data.energy = watts
     item = bpy.data.objects.new("Lamp", data)
     item.location = place
     item.rotation_euler = (-Vector(place)).to_track_quat("-Z", "Y").to_euler()
