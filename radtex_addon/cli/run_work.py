@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from ..bake.layers import Layer
 from ..core.errors import FormatError, InputError
 from ..core.sampler import Filter
 from ..formats.json_reader import Facts
@@ -18,7 +17,7 @@ from ..job.bake_request import BakeRequest
 from ..report.side_by_side import ComparisonSpec
 from ..report.viewpoint import Viewpoint
 from ..settings.spec import spec_in
-from ..textures.export_spec import IMAGE_LIMIT, Arrangement, ExportSpec, Target, TextureFormat
+from ..textures.export_spec import Target, export_spec_in
 from ..worker.order import Work
 from .arguments import Request
 from .compare_arguments import CompareRequest
@@ -104,35 +103,15 @@ def _bake(facts: Facts, request: WorkRequest) -> Request:
 
 
 def _export(facts: Facts, request: WorkRequest) -> OrderedExports:
-    asked = facts.inner("spec")
     sidecars, folders = (map(Path, facts.texts(key)) for key in ("sidecars", "folders"))
     return OrderedExports(
         bakes=tuple(zip(sidecars, folders, strict=True)),
-        spec=ExportSpec(
-            target=Target(asked.choice("target", tuple(Target))),
-            format=TextureFormat(asked.choice("format", tuple(TextureFormat))),
-            zstd=asked.truth("zstd"),
-            arrangement=Arrangement(asked.choice("arrangement", tuple(Arrangement))),
-            levels=None if _absent(asked, "levels") else asked.whole_number("levels", 1),
-            limit=None if _absent(asked, "limit") else asked.whole_number("limit", 1),
-            layers=tuple(map(Layer, asked.choices("layers", tuple(Layer)))),
-            memory_mb=None if _absent(asked, "memory_mb") else asked.whole_number("memory_mb", 1),
-            mirror="mirror" in asked.values and asked.truth("mirror"),
-            sky=None if _absent(asked, "sky") else _colour(asked, "sky"),
-            image_limit=IMAGE_LIMIT
-            if _absent(asked, "image_limit")
-            else asked.whole_number("image_limit", 0),
-        ),
+        spec=export_spec_in(facts.inner("spec")),
         overwrite=facts.truth("overwrite"),
         progress=request.progress,
         verbose=request.verbose,
         scene=None if _absent(facts, "scene") else facts.text("scene"),
     )
-
-
-def _colour(facts: Facts, key: str) -> tuple[float, float, float]:
-    red, green, blue = facts.numbers(key, 3)
-    return red, green, blue
 
 
 def _comparison(facts: Facts, request: WorkRequest) -> CompareRequest:

@@ -4,17 +4,29 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from enum import StrEnum
 from math import inf
+from typing import Any
 
 from ..bake.layers import Layer
 from ..core.errors import InputError
 from ..core.messages import Setting, do, leave_out
+from ..formats.json_reader import Facts
 from ..settings.choices import parse_layer
+from ..settings.spec import as_json
 from ..settings.targets import MOST_PIXELS, Target, TextureFormat
 
-__all__ = ["Arrangement", "ExportSpec", "ExportStep", "ExportTask", "Target", "TextureFormat"]
+__all__ = [
+    "Arrangement",
+    "ExportSpec",
+    "ExportStep",
+    "ExportTask",
+    "Target",
+    "TextureFormat",
+    "export_facts",
+    "export_spec_in",
+]
 
 
 class Arrangement(StrEnum):
@@ -88,6 +100,35 @@ class ExportSpec:
     def most_pixels(self) -> int:
         """The most pixels along a texture's side."""
         return self.limit or self.target.traits.most_pixels
+
+
+def export_facts(spec: ExportSpec) -> dict[str, Any]:
+    """The specification as JSON's types: the inverse of `export_spec_in`."""
+    return {field.name: as_json(getattr(spec, field.name)) for field in fields(ExportSpec)}
+
+
+def export_spec_in(facts: Facts) -> ExportSpec:
+    """The specification in a JSON object. Raises FormatError, and InputError for one that is invalid."""
+
+    def number(key: str, least: int, otherwise: int | None = None) -> int | None:
+        return otherwise if facts.values.get(key) is None else facts.whole_number(key, least)
+
+    image_limit = number("image_limit", 0, IMAGE_LIMIT)
+    assert image_limit is not None
+    sky: Any = None if facts.values.get("sky") is None else tuple(facts.numbers("sky", 3))
+    return ExportSpec(
+        target=Target(facts.choice("target", tuple(Target))),
+        format=TextureFormat(facts.choice("format", tuple(TextureFormat))),
+        zstd=facts.truth("zstd"),
+        arrangement=Arrangement(facts.choice("arrangement", tuple(Arrangement))),
+        levels=number("levels", 1),
+        limit=number("limit", 1),
+        layers=tuple(map(Layer, facts.choices("layers", tuple(Layer)))),
+        memory_mb=number("memory_mb", 1),
+        mirror="mirror" in facts.values and facts.truth("mirror"),
+        sky=sky,
+        image_limit=image_limit,
+    )
 
 
 class ExportTask(StrEnum):

@@ -16,6 +16,7 @@ from .operators.browser_operator import RADTEX_OT_show_in_browser
 from .operators.changes_operator import RADTEX_OT_dismiss_changes, RADTEX_OT_show_changes
 from .operators.delete_operator import RADTEX_OT_delete_bake
 from .operators.estimate_operator import RADTEX_OT_cancel_estimate, RADTEX_OT_estimate
+from .operators.export_operator import RADTEX_OT_forget_export
 from .operators.instances_operator import RADTEX_OT_join_instances
 from .operators.job_operators import (
     RADTEX_OT_cancel,
@@ -42,6 +43,7 @@ from .panel.settings_panels import (
 from .settings import preferences, presets, seen_version
 from .settings.bake_settings import RADTEX_PG_settings
 from .settings.chosen_objects import RADTEX_PG_chosen, RADTEX_PG_listed
+from .settings.kept_exports import RADTEX_PG_kept_export
 from .settings.object_settings import RADTEX_PG_object
 from .settings.preferences import RADTEX_preferences
 from .settings.presets import RADTEX_OT_preset_add, RADTEX_OT_preset_apply, RADTEX_PT_presets
@@ -56,6 +58,7 @@ CLASSES = (
     RADTEX_PG_object,
     RADTEX_PG_listed,
     RADTEX_PG_chosen,
+    RADTEX_PG_kept_export,
     RADTEX_OT_bake,
     RADTEX_OT_bake_scene,
     RADTEX_OT_join_instances,
@@ -76,6 +79,7 @@ CLASSES = (
     RADTEX_OT_apply_to_copy,
     RADTEX_OT_make_asset,
     RADTEX_OT_delete_bake,
+    RADTEX_OT_forget_export,
     RADTEX_OT_preset_add,
     RADTEX_OT_preset_apply,
     RADTEX_PT_presets,
@@ -98,6 +102,7 @@ def register() -> None:
         bpy.utils.register_class(cls)
     _scene.radtex = _props.PointerProperty(type=RADTEX_PG_settings)
     _scene.radtex_chosen = _props.PointerProperty(type=RADTEX_PG_chosen)
+    _scene.radtex_exports = _props.CollectionProperty(type=RADTEX_PG_kept_export)
     _object.radtex = _props.PointerProperty(type=RADTEX_PG_object)
     presets.register()
     keys.register()
@@ -118,6 +123,7 @@ def unregister() -> None:
     keys.unregister()
     presets.unregister()
     del _object.radtex
+    del _scene.radtex_exports
     del _scene.radtex_chosen
     del _scene.radtex
     for cls in reversed(CLASSES):

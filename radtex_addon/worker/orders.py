@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,8 +15,8 @@ from ..job.variants import Bake, variant_of
 from ..report.report_progress import ReportTask
 from ..settings.estimate import BakeWork, typical_seconds
 from ..settings.kinds import is_default_kind
-from ..settings.spec import BakeSpec, as_json, facts_of
-from ..textures.export_spec import ExportSpec, ExportStep, ExportTask, Target
+from ..settings.spec import BakeSpec, facts_of
+from ..textures.export_spec import ExportSpec, ExportStep, ExportTask, Target, export_facts
 from .order import Handover, Order, Work, parts
 
 if TYPE_CHECKING:
@@ -115,7 +115,7 @@ def _export(
         facts={
             "sidecars": [str(sidecar.absolute()) for sidecar in sidecars],
             "scene": scene,
-            "spec": {field.name: as_json(getattr(spec, field.name)) for field in fields(ExportSpec)},
+            "spec": export_facts(spec),
             "folders": [str(out.absolute()) for out in outs],
             "overwrite": overwrite,
         },

@@ -23,6 +23,7 @@ from radtex_addon.textures.export_spec import ExportSpec, Target
 from radtex_addon.ui import registration
 from radtex_addon.ui.operators.export_dialog import dialog_title, draw_dialog
 from radtex_addon.ui.operators.export_operator import RADTEX_OT_export
+from radtex_addon.ui.settings.kept_exports import kept_exports
 from radtex_addon.ui.settings.preferences import ADDON, preferred
 from tests.blender.recorded_layout import RecordedLayout
 from tests.blender.test_swap import LAYERED, NAME, PLAIN, bake_of, ball
@@ -226,6 +227,19 @@ def test_what_was_chosen_for_a_scene_is_kept_too(plain: Path, tmp_path: Path) ->
         assert (preferred().export_target, preferred().export_into) == ("raw", str(tmp_path))
     finally:
         context.preferences.addons.remove(addon)
+
+
+def test_the_dialog_remembers_for_each_target_what_follows_a_bake(plain: Path, tmp_path: Path) -> None:
+    settings = {"bake": str(plain), "object": NAME, "into": str(tmp_path)}
+    assert "again" in asked(**settings, target="raw", again=True).settings
+    assert [found.spec.target for found in kept_exports(context.scene)] == [Target.RAW]
+    asked(**settings, target="gltf")
+    assert [found.spec.target for found in kept_exports(context.scene)] == [Target.RAW]
+    asked(**settings, target="raw", levels=1)
+    (found,) = kept_exports(context.scene)
+    assert (found.spec.levels, found.out) == (1, tmp_path / f"{NAME}.raw"), "the last settings count"
+    asked(**settings, target="raw", again=False)
+    assert kept_exports(context.scene) == ()
 
 
 def test_two_bakes_in_one_folder_are_refused_before(plain: Path, tmp_path: Path) -> None:

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import zip_longest
@@ -18,6 +19,7 @@ from ..panel.labels import duration
 from ..panel.redraw import redraw
 from . import bake_times, job_files, pictures
 from .bake_times import BakedScene
+from .repeated_exports import RepeatedExports
 
 if TYPE_CHECKING:
     from ...job.bake_plan import BakePlan
@@ -28,6 +30,7 @@ if TYPE_CHECKING:
     from ...worker.together import Together
     from ..settings.bake_settings import BakeSettings
 
+_log = logging.getLogger(__name__)
 _PULSE = 0.5  # seconds between two polls of the workers, and so at least between two redraws for them
 
 
@@ -53,8 +56,9 @@ class _Session:
 
     `queue` is None before the first job, so that enabling RadTex does not import the worker modules. `shown`
     is the last snapshot of the jobs; `completions` maps job numbers to completions, `begun` to the time when
-    each began, on the monotonic clock, `scenes` those of bakes to what is remembered of their scene, and
-    `folded` those that were folded or unfolded by hand to which of both.
+    each began, on the monotonic clock, `scenes` those of bakes to what is remembered of their scene,
+    `repeats` those of bakes that have not ended to the exports that follow them, and `folded` those that were
+    folded or unfolded by hand to which of both.
     """
 
     queue: Queue | None = None
@@ -62,6 +66,7 @@ class _Session:
     scenes: dict[int, BakedScene] = field(default_factory=dict)
     shown: tuple[Job, ...] = field(default=())
     completions: dict[int, Completion] = field(default_factory=dict)
+    repeats: dict[int, RepeatedExports] = field(default_factory=dict)
     folded: dict[int, bool] = field(default_factory=dict)
 
 
@@ -74,7 +79,8 @@ def submit(scene: bpy.types.Scene, plans: Sequence[BakePlan], names: Sequence[st
     They are queued in the order of their objects among `names`, else plan by plan.
 
     Returns how long the window was blocked by that, in seconds. Raises InputError if one of the bakes is
-    already queued or running, BakeError if the scene cannot be saved.
+    already queued or running, or has no preview for the export that follows it, BakeError if the scene
+    cannot be saved.
     """
     from ...job.bake_plan import in_order
     from ...worker.handover import hand_over
@@ -84,6 +90,7 @@ def submit(scene: bpy.types.Scene, plans: Sequence[BakePlan], names: Sequence[st
     free = {id(plan): _free(plan) for plan in plans}
     bakes = [(plan, bake) for plan, bake in in_order(plans, names) if bake in free[id(plan)]]
     shown = [bake_times.shown_triangles(scene, spec.objects or (name,)) for _, (name, spec) in bakes]
+    repeats = RepeatedExports.of(scene, plans)
     handover = hand_over(scene, preferred().cache)
     add(
         (
@@ -102,6 +109,7 @@ def submit(scene: bpy.types.Scene, plans: Sequence[BakePlan], names: Sequence[st
             for number, (plan, (name, spec)) in enumerate(bakes)
         ),
         scenes=[BakedScene(bake_times.scene_key(scene.name), count) for count in shown],
+        repeats=repeats,
     )
     return handover.stalled
 
@@ -150,15 +158,23 @@ def _free(plan: BakePlan) -> tuple[Bake, ...]:
 
 
 def add(
-    orders: Iterable[Order], completion: Completion | None = None, scenes: Sequence[BakedScene] = ()
+    orders: Iterable[Order],
+    completion: Completion | None = None,
+    scenes: Sequence[BakedScene] = (),
+    repeats: RepeatedExports | None = None,
 ) -> None:
-    """Queue jobs, all with the same completion; the times of bakes, whose `scenes` are given, are kept."""
+    """Queue jobs, all with the same completion; the times of bakes, whose `scenes` are given, are kept.
+
+    Once all of them have ended, the exports of `repeats` that are due are queued.
+    """
     for order, scene in zip_longest(orders, scenes):
         number = _queue().add(order)
         if scene is not None:
             _session.scenes[number] = scene
         if completion is not None:
             _session.completions[number] = completion
+        if repeats is not None:
+            _session.repeats[number] = repeats
     _look()
     panel_state.mark_stale()  # their objects are being baked now
 
@@ -247,7 +263,35 @@ def advance() -> bool:
         _remember(job, now)
         if job.state == "done" and job.number in _session.completions:
             _session.completions[job.number].arrived(job)
-    return more
+    return _export_again(ended) or more
+
+
+def _export_again(ended: Iterable[Job]) -> bool:
+    """Queue the exports that follow bakes, once all that were asked for together have ended.
+
+    If the last of them was cancelled, so are the exports. Returns whether there are any.
+    """
+    from ...core.errors import RadTexError
+    from ..settings.preferences import preferred
+
+    assert _session.queue is not None  # its jobs have ended
+    orders: list[Order] = []
+    for job in ended:
+        repeats = _session.repeats.pop(job.number, None)
+        if repeats is None:
+            continue
+        if job.state == "done":
+            repeats.note(job.object, job.files)
+        if job.state == "cancelled" or repeats in _session.repeats.values():
+            continue
+        try:
+            orders += repeats.orders(preferred().cache)
+        except RadTexError as error:
+            _log.warning("%s", error)
+    for order in orders:
+        _session.queue.add(order)
+    _session.shown = _session.queue.snapshot()
+    return bool(orders)
 
 
 def look_at_files() -> None:
@@ -275,6 +319,7 @@ def unregister() -> None:
     _session.completions.clear()
     _session.begun.clear()
     _session.scenes.clear()
+    _session.repeats.clear()
     _session.folded.clear()
     job_files.unregister()
     pictures.unregister()

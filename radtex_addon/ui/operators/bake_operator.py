@@ -13,7 +13,7 @@ from bpy.props import BoolProperty, EnumProperty, StringProperty
 
 from ...scene.surfaces import may_have_faces
 from ..panel.draw_messages import draw_wrapped
-from ..panel.labels import iface_, remark
+from ..panel.labels import iface_, remark, size
 from ..settings.bake_settings import NAMES, BakeSettings
 from ..settings.chosen_objects import chosen_names, nothing_chosen, told_names
 from ..settings.update_callbacks import without_updates
@@ -275,18 +275,27 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
 def bake_here(
     operator: bpy.types.Operator, scene: bpy.types.Scene, plans: Sequence[BakePlan], names: Sequence[str]
 ) -> None:
-    """Bake in this process, in the order of the objects `names`; the operator reports each bake."""
+    """Bake in this process, in the order of the objects `names`; the operator reports each bake.
+
+    Then the exports are made that the scene keeps of these bakes. Raises RadTexError.
+    """
     from ...bake.progress import finished
     from ...forms.layered.capture.panoramas import pictures_shared
     from ...job.bake_plan import in_order, steps_of_bakes
     from ...job.variants import title_of
+    from ..jobs.repeated_exports import RepeatedExports
 
+    repeats = RepeatedExports.of(scene, plans)
     steps_of = {id(plan): steps_of_bakes(scene, plan) for plan in plans}
     with pictures_shared():
         for plan, _ in in_order(plans, names):
             name, spec, steps = next(steps_of[id(plan)])
             finished(steps)
             operator.report({"INFO"}, f"Baked {title_of(name, spec)}")
+            if repeats is not None:
+                repeats.note(name, (plan.request.place((name, spec)).files.sidecar,))
+    for made in repeats.export_here() if repeats is not None else ():
+        operator.report({"INFO"}, f"Exported {made.name} to {made.folder}: {size(made.bytes)}")
 
 
 def questions(plans: Sequence[BakePlan]) -> tuple[str, ...]:

@@ -180,6 +180,7 @@ def draw_dialog(layout: Any, settings: Any, plan: Plan) -> None:
     if existing := told_existing(plan, settings.overwrite):
         _draw_text(layout, existing, "FILE_REFRESH" if settings.overwrite else "ERROR")
         layout.prop(settings, "overwrite")
+    layout.prop(settings, "again")
     if plan.texture_bytes is not None:
         _draw_text(layout, iface_("Textures of roughly {}").format(size(plan.texture_bytes)), "BLANK1")
     for message in plan.errors:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Operator that exports a finished bake to a folder for an engine or a browser."""
+"""Operators that export a finished bake to a folder for an engine or a browser, and stop doing it again."""
 
 from __future__ import annotations
 
@@ -13,12 +13,14 @@ from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
 from ...settings.menu_items import TARGETS
 from ...settings.targets import DEFAULT_TARGET, Target
 from ..panel.labels import iface_, remark
+from ..settings.kept_exports import KeptExport, forget, is_kept, keep, rows_of
 from ..settings.preferences import preferred, remember_export
 from .bake_lookup import in_object_mode
 from .bake_operator import shown
 from .export_dialog import WIDTH, Plan, applicable, dialog_title, draw_dialog, planned
 from .export_sources import Place, export_sources, place_for, submit, submit_scene
 from .operator_mixins import MayWait, OfBake
+from .undo import push_step
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -66,8 +68,10 @@ class RADTEX_OT_export(MayWait, OfBake, bpy.types.Operator):
         directory: str
         into: str
         overwrite: bool
+        again: bool
         advanced: bool
 
+        _asked_of: str  # the target that `again` was set for
         _sources: tuple[ExportSource, ...]  # the bakes that the dialog is about; empty without a dialog
         _plan: tuple[object, Plan] | None  # settings of the dialog, and the plan for them
     else:
@@ -138,6 +142,13 @@ class RADTEX_OT_export(MayWait, OfBake, bpy.types.Operator):
             default=False,
             options={"SKIP_SAVE"},
         )
+        again: BoolProperty(
+            name="After Each Bake",
+            description="Make this export again whenever its bakes are made again: by the same settings, in "
+            "the same folder. The scene keeps that, and the panel lists it below Output",
+            default=False,
+            options={"SKIP_SAVE"},
+        )
         advanced: BoolProperty(
             name="Advanced",
             description="Show how the textures are stored",
@@ -145,6 +156,7 @@ class RADTEX_OT_export(MayWait, OfBake, bpy.types.Operator):
             options={"HIDDEN"},
         )
 
+        _asked_of = ""
         _sources = ()
         _plan = None
 
@@ -186,12 +198,21 @@ class RADTEX_OT_export(MayWait, OfBake, bpy.types.Operator):
             self.into = last.export_into
         assert context.scene is not None  # as in every window
         self.scene_name = self.scene_name or context.scene.name
+        if self.properties.is_property_set("again"):
+            self._asked_of = self.target
         self.check(context)
 
     def check(self, context: bpy.types.Context | None) -> bool:
-        """After each change in the dialog: leave a format that the target does not read."""
+        """After each change in the dialog: leave a format that the target does not read.
+
+        For another target, *After Each Bake* starts as it was left for that one.
+        """
         if self.format not in Target(self.target).traits.formats:
             self.format = "auto"
+        if self._asked_of != self.target:
+            sidecars = [source.sidecar.path for source in self._sources]
+            self.again = is_kept(shown(context)[0], sidecars, Target(self.target))
+            self._asked_of = self.target
         return True
 
     def draw(self, context: bpy.types.Context | None) -> None:
@@ -229,6 +250,8 @@ class RADTEX_OT_export(MayWait, OfBake, bpy.types.Operator):
                 self._export_scene(sources, spec, name)
             if self._sources:
                 remember_export(self.target, self.into)
+            if self._sources or self.properties.is_property_set("again"):
+                self._keep(scene, sources, spec)
         except RadTexError as error:
             self.report({"ERROR"}, remark(error))
             return {"CANCELLED"}
@@ -273,6 +296,30 @@ class RADTEX_OT_export(MayWait, OfBake, bpy.types.Operator):
         into = Path(bpy.path.abspath(self.into)) if self.into else None
         return tuple(out if into is None else into / out.name for out in found)
 
+    def _keep(self, scene: bpy.types.Scene, sources: Sequence[ExportSource], spec: ExportSpec) -> None:
+        """Let the scene keep these exports, to be made again after each bake, or forget them.
+
+        A step to undo, if that changes anything.
+        """
+        outs, name = self._outs(sources), self._scene_name()
+        if name is None:
+            exports = [
+                KeptExport(source.name, (source.sidecar.path,), out, spec)
+                for source, out in zip(sources, outs, strict=True)
+            ]
+        else:
+            sidecars = tuple(source.sidecar.path for source in sources)
+            exports = [KeptExport(name, sidecars, outs[0], spec, name)]
+        typed = self.directory or self.into
+        changed = self.again
+        for export in exports:
+            if self.again:
+                keep(scene, export, relative=not typed or typed.startswith("//"))
+            else:
+                changed |= forget(scene, export)
+        if changed:
+            push_step("Export After Each Bake")
+
     def _places(self, sources: list[ExportSource], spec: ExportSpec) -> list[Place]:
         """Where each bake goes. Raises RadTexError if an export would fail immediately."""
         from ...export.exporting import check_export, check_folders_differ
@@ -311,6 +358,28 @@ class RADTEX_OT_export(MayWait, OfBake, bpy.types.Operator):
         for place in places:
             made = finished(export_steps(place.sidecar, spec, place.out, overwrite=self.overwrite))
             self.report({"INFO"}, f"Exported {made.name} to {made.folder}: {size(made.bytes)}")
+
+
+class RADTEX_OT_forget_export(bpy.types.Operator):
+    """Do not make this export again after each bake. What was exported stays"""
+
+    bl_idname = "radtex.forget_export"
+    bl_label = "Forget Export"
+    bl_options = {"REGISTER"}  # pushes its own undo step: see undo.py
+
+    if TYPE_CHECKING:  # type of the property that Blender creates from the annotation below
+        row: int
+    else:
+        row: IntProperty(name="Row", description="Its row on the list, from 0", min=0, options={"SKIP_SAVE"})
+
+    def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
+        rows = rows_of(shown(context)[0])
+        if self.row >= len(rows):
+            self.report({"ERROR"}, "That export is not on the list any more")
+            return {"CANCELLED"}
+        rows.remove(self.row)
+        push_step(self.bl_label)
+        return {"FINISHED"}
 
 
 def _is_there(folder: str) -> bool:

@@ -12,8 +12,11 @@ from ...settings.forms import FormTraits
 from ...settings.kinds import Kind, Layout, form_in
 from ...settings.option import Fold
 from ...settings.options import OPTIONS, shown_in
+from ..operators.export_dialog import shortened
 from ..settings.bake_settings import BakeSettings
+from ..settings.kept_exports import kept_export, rows_of
 from .draw_messages import draw_text
+from .labels import iface_
 from .main_panel import Sidebar, drawn
 
 # Settings that are drawn below in a way, or under a condition, of their own.
@@ -27,6 +30,7 @@ _BY_HAND = frozenset(
         *("preview", "full_floats", "compression", "export_targets"),
     )
 )
+_MOST_KEPT = 8  # exports after each bake that are listed
 
 
 class _Folded(Sidebar):
@@ -107,8 +111,29 @@ class RADTEX_PT_output(_Folded, bpy.types.Panel):
             column.prop(settings, "full_floats")
         layout.prop(settings, "compression")
         layout.column().prop(settings, "export_targets")
+        if context is not None and context.scene is not None:
+            _draw_kept_exports(layout.column(align=True), context.scene)
         _draw_others(layout, settings, Fold.OUTPUT)
         layout.operator("radtex.open_folder", icon="FILE_FOLDER")
+
+
+def _draw_kept_exports(column: Any, scene: bpy.types.Scene) -> None:
+    """Draw the exports that are made again after each bake, each with its folder and a cross."""
+    rows = rows_of(scene)
+    if not rows:
+        return
+    column.label(text="After Each Bake")
+    for number, row in enumerate(rows[:_MOST_KEPT]):
+        found, line = kept_export(row), column.row(align=True)
+        title = row.name
+        if found is not None:
+            title = iface_("{} for {}").format(row.name, found.spec.target.traits.title)
+        line.label(text=title, icon="EXPORT", translate=False)
+        line.operator("radtex.forget_export", text="", icon="X", emboss=False).row = number
+        if found is not None:
+            draw_text(column, shortened(found.out), "BLANK1")
+    if (more := len(rows) - _MOST_KEPT) > 0:
+        column.label(text=iface_("and {} more").format(more), icon="BLANK1", translate=False)
 
 
 def form_of(settings: BakeSettings) -> FormTraits:

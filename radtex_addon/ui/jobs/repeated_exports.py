@@ -1,0 +1,102 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Make the exports again that the scene keeps, once the bakes that were asked for together have ended."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..settings.kept_exports import KeptExport, kept_exports, real
+
+if TYPE_CHECKING:
+    import bpy
+
+    from ...export.exporting import Exported
+    from ...job.bake_plan import BakePlan
+    from ...textures.export_spec import ExportSpec
+    from ...worker.order import Order
+
+
+@dataclass(eq=False)
+class RepeatedExports:
+    """The exports that are `kept` for bakes that were asked for together.
+
+    `made` has the names of the objects whose bakes are done, by the files of these.
+    """
+
+    kept: tuple[KeptExport, ...]
+    made: dict[Path, str] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, scene: bpy.types.Scene, plans: Sequence[BakePlan]) -> RepeatedExports | None:
+        """Those that the scene keeps of the bakes in these plans; None if there are none.
+
+        Raises InputError for a bake without the preview that its export is made from.
+        """
+        from ...core.errors import InputError
+        from ...job.variants import title_of
+
+        every = kept_exports(scene)
+        known = {real(path) for export in every for path in export.sidecars}
+        asked: set[Path] = set()
+        for plan in plans if known else ():
+            for bake in plan.wanted:
+                sidecar = real(plan.request.place(bake).files.sidecar)
+                if sidecar in known and not plan.request.saves_preview:
+                    raise InputError(
+                        f"the bake of '{title_of(*bake)}' is exported after each bake, from its preview: "
+                        "switch Preview on, or take that export off the list below Export"
+                    )
+                asked.add(sidecar)
+        kept = tuple(export for export in every if not asked.isdisjoint(map(real, export.sidecars)))
+        return cls(kept) if kept else None
+
+    def note(self, name: str, files: Sequence[Path]) -> None:
+        """A bake of the object `name` is done, and made these files."""
+        self.made |= dict.fromkeys(map(real, files), name)
+
+    @property
+    def due(self) -> tuple[KeptExport, ...]:
+        """Those of which a bake was made."""
+        return tuple(each for each in self.kept if not self.made.keys().isdisjoint(map(real, each.sidecars)))
+
+    def orders(self, cache: Path | None) -> list[Order]:
+        """Orders for the exports that are due.
+
+        Single bakes with the same settings in the same folder are one order, each scene is one. Raises
+        BakeError if no work folder can be made below `cache`.
+        """
+        from ...worker.handover import work_folder
+        from ...worker.orders import order_export, order_scene_export
+
+        due = self.due
+        folder = work_folder(cache) if due else Path()
+        alike: dict[tuple[ExportSpec, Path], list[tuple[str, Path, Path]]] = {}
+        orders = []
+        for each in due:
+            if each.scene is not None:
+                orders.append(
+                    order_scene_export(folder, each.sidecars, each.scene, each.spec, each.out, overwrite=True)
+                )
+            else:
+                (sidecar,) = each.sidecars
+                place = self.made[real(sidecar)], sidecar, each.out
+                alike.setdefault((each.spec, each.out.parent), []).append(place)
+        singles = (order_export(folder, group, spec, overwrite=True) for (spec, _), group in alike.items())
+        return [*singles, *orders]
+
+    def export_here(self) -> Iterator[Exported]:
+        """Make the exports that are due in this process, and yield each. Raises RadTexError."""
+        from ...bake.progress import finished
+        from ...export.exporting import export_steps
+        from ...export.exporting_scene import export_scene_steps
+
+        for each in self.due:
+            if each.scene is None:
+                yield finished(export_steps(each.sidecars[0], each.spec, each.out, overwrite=True))
+            else:
+                steps = export_scene_steps(each.sidecars, each.spec, each.scene, each.out, overwrite=True)
+                yield finished(steps)

@@ -1,0 +1,135 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Exports that are made again after each bake. The scene keeps which bakes, for whom, where and how."""
+
+from __future__ import annotations
+
+import json
+import logging
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import bpy
+from bpy.props import StringProperty
+
+from ...core.errors import RadTexError
+from ...formats.json_reader import Facts
+from ...textures.export_spec import ExportSpec, Target, export_facts, export_spec_in
+
+_log = logging.getLogger(__name__)
+
+
+class RADTEX_PG_kept_export(bpy.types.PropertyGroup):
+    """An export that is made again whenever its bake is. `name` is the bake's, or the exported scene's"""
+
+    if TYPE_CHECKING:  # types of the properties that Blender creates from the annotations below
+        name: str
+        sidecars: str
+        folder: str
+        scene_name: str
+        spec: str
+    else:
+        sidecars: StringProperty(name="Bakes", description="The .json files of its bakes, a line each")
+        folder: StringProperty(
+            name="Folder",
+            description="The folder that the export makes",
+            subtype="DIR_PATH",
+            options={"PATH_SUPPORTS_BLEND_RELATIVE"},
+        )
+        scene_name: StringProperty(
+            name="Scene Name", description="What its bakes are exported as together. Empty for a single bake"
+        )
+        spec: StringProperty(name="Settings", description="The settings of the export, as JSON")
+
+
+@dataclass(frozen=True)
+class KeptExport:
+    """An export of one bake, by its sidecar, or of several as the `scene` of that name, into `out`."""
+
+    name: str
+    sidecars: tuple[Path, ...]
+    out: Path
+    spec: ExportSpec
+    scene: str | None = None
+
+    @property
+    def key(self) -> tuple[object, ...]:
+        """Of each bake, and of each exported scene, one export is kept for each target."""
+        bakes = tuple(map(real, self.sidecars)) if self.scene is None else ()
+        return self.spec.target, self.scene, bakes
+
+
+def real(path: Path | str) -> Path:
+    """The path as it is compared with others: without links and `..`."""
+    return Path(os.path.realpath(path))
+
+
+def rows_of(scene: bpy.types.Scene) -> Any:
+    """The exports that the scene keeps, as Blender's collection of `RADTEX_PG_kept_export`."""
+    return scene.radtex_exports  # type: ignore[attr-defined]  # ours, not Blender's
+
+
+def kept_exports(scene: bpy.types.Scene) -> tuple[KeptExport, ...]:
+    """The exports that the scene keeps, without those of which a later version wrote what this one cannot."""
+    return tuple(found for row in rows_of(scene) if (found := kept_export(row)) is not None)
+
+
+def kept_export(row: RADTEX_PG_kept_export) -> KeptExport | None:
+    """The export of a row; None if its settings cannot be read."""
+    try:
+        spec = export_spec_in(Facts.parse(row.spec, f"the export of {row.name}", "settings of an export"))
+    except RadTexError as error:
+        _log.warning("%s", error)
+        return None
+    sidecars = tuple(Path(bpy.path.abspath(line)) for line in row.sidecars.splitlines())
+    out = Path(os.path.normpath(bpy.path.abspath(row.folder)))
+    return KeptExport(row.name, sidecars, out, spec, row.scene_name or None)
+
+
+def is_kept(scene: bpy.types.Scene, sidecars: Sequence[Path], target: Target) -> bool:
+    """Whether an export of one of these bakes for the target is made again after each bake."""
+    asked = set(map(real, sidecars))
+    return any(
+        found.spec.target is target and not asked.isdisjoint(map(real, found.sidecars))
+        for found in kept_exports(scene)
+    )
+
+
+def keep(scene: bpy.types.Scene, export: KeptExport, *, relative: bool) -> None:
+    """Keep an export, in the place of another of the same bake or scene for that target.
+
+    With `relative`, its folder is found again after the .blend was moved together with it.
+    """
+    forget(scene, export)
+    row = rows_of(scene).add()
+    row.name = export.name
+    row.sidecars = "\n".join(_stored(path, relative=True) for path in export.sidecars)
+    row.folder = _stored(export.out, relative=relative)
+    row.scene_name = export.scene or ""
+    row.spec = json.dumps(export_facts(export.spec))
+
+
+def forget(scene: bpy.types.Scene, export: KeptExport) -> bool:
+    """Keep no export of that bake or scene for that target any more; returns whether one was kept."""
+    rows = rows_of(scene)
+    same = [
+        number
+        for number, row in enumerate(rows)
+        if (found := kept_export(row)) is not None and found.key == export.key
+    ]
+    for number in reversed(same):
+        rows.remove(number)
+    return bool(same)
+
+
+def _stored(path: Path, *, relative: bool) -> str:
+    """The path for a row, relative to the .blend if that was saved, and on the same drive."""
+    if relative and bpy.data.filepath:
+        try:
+            return bpy.path.relpath(str(path))
+        except ValueError:  # on another drive
+            pass
+    return str(path.absolute())

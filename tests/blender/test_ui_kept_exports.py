@@ -1,0 +1,247 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Exports that are made again after each bake: what the scene keeps of them, and what follows a bake."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, cast
+
+import bpy
+import pytest
+
+from radtex_addon.core.errors import InputError
+from radtex_addon.formats.json_reader import Facts
+from radtex_addon.job.bake_plan import plan_bakes
+from radtex_addon.textures.export_spec import Arrangement, ExportSpec, Target, export_facts, export_spec_in
+from radtex_addon.ui.jobs import jobs
+from radtex_addon.ui.panel import settings_panels
+from radtex_addon.ui.panel.jobs_panel import job_title
+from radtex_addon.ui.settings.kept_exports import kept_exports, rows_of
+from radtex_addon.ui.settings.request import request_of, values_of
+from radtex_addon.worker.job import Job
+from tests.blender import stage
+from tests.blender.recorded_layout import RecordedLayout
+from tests.blender.ui_stage import context, finish_jobs, ops, preferences, registered, settings
+
+BY_HAND = "made by hand"
+
+
+@pytest.fixture(autouse=True)
+def _card(empty_file: None, out: Path, tmp_path: Path) -> Iterator[None]:
+    """A finished bake of a card, and of another one beside it."""
+    with registered():
+        stage.world()
+        settings().directory, settings().atlas_layout = str(out), "buckets"
+        settings().texels, settings().bucket, settings().samples = 4, 2, 1
+        preferences().cache_folder = str(tmp_path / "cache")
+        for number, name in enumerate(("Card", "Tile")):
+            bpy.ops.mesh.primitive_plane_add(size=2, location=(5.0 * number, 0, 0))
+            context.object.name = name
+            assert ops.radtex.bake(object=name) == {"FINISHED"}
+        yield
+
+
+@pytest.fixture
+def game(tmp_path: Path) -> Path:
+    return tmp_path / "game"
+
+
+def export(name: str, game: Path, **settings: Any) -> None:
+    choice = {"target": "gltf", "into": str(game), "again": True} | settings
+    assert ops.radtex.export(object=name, **choice) == {"FINISHED"}
+
+
+def submit(*names: str, **choice: Any) -> None:
+    values = values_of(settings()) | {"overwrite": True} | choice
+    jobs.submit(context.scene, [plan_bakes(context.scene, request_of(values, names))])
+
+
+def exports_of(found: tuple[Job, ...]) -> list[Job]:
+    return [job for job in found if job.work == "export"]
+
+
+def manifest(folder: Path, name: str = "Card") -> str:
+    return (folder / f"{name}.gltf" / f"{name}.export.json").read_text(encoding="utf-8")
+
+
+def drawn() -> RecordedLayout:
+    layout = RecordedLayout()
+    panel = SimpleNamespace(layout=layout)
+    settings_panels.RADTEX_PT_output.draw(cast(Any, panel), context)
+    return layout
+
+
+def test_after_a_bake_its_export_is_made_again_as_it_was(game: Path, out: Path) -> None:
+    """In the folder that was chosen and by the same settings, as a job of its own."""
+    export("Card", game, format="ktx2-rgba16f", levels=1)
+    export("Tile", game, again=False)
+    before, tile = manifest(game), manifest(game, "Tile")
+    (game / "Card.gltf" / "notes.txt").write_text(BY_HAND)
+    submit("Card", "Tile", texels=8)
+    assert [job.work for job in jobs.snapshot()] == ["bake", "bake"]
+    found = finish_jobs()
+    (job,) = exports_of(found)
+    assert job.number == 3, "once both bakes are done"
+    assert (job.state, job_title(job)) == ("done", "Card for glTF")
+    assert job.files == (game / "Card.gltf",)
+    assert manifest(game) != before, "it shows the new bake"
+    assert '"format": "rgba16f"' in manifest(game)
+    assert '"levels": 1,' in manifest(game), "without its settings it would have two"
+    assert manifest(game, "Tile") == tile, "that one was to be exported once"
+    assert (game / "Card.gltf" / "notes.txt").read_text() == BY_HAND
+    assert not (out / "Card.gltf").exists()
+
+
+def test_what_is_not_baked_is_not_exported_again(game: Path) -> None:
+    export("Card", game)
+    before = manifest(game)
+    submit("Tile")
+    assert exports_of(finish_jobs()) == []
+    assert manifest(game) == before
+
+
+def test_bakes_that_are_exported_alike_are_one_job(game: Path) -> None:
+    export("Card", game)
+    export("Tile", game)
+    submit("Card", "Tile", texels=8)
+    (job,) = exports_of(finish_jobs())
+    assert job_title(job) == "2 bakes for glTF"
+    assert set(job.files) == {game / "Card.gltf", game / "Tile.gltf"}
+
+
+def test_a_scene_is_exported_once_after_its_bakes(game: Path) -> None:
+    for item in context.scene.objects:
+        item.select_set(True)
+    settings().together = "off"
+    assert ops.radtex.export(target="gltf", into=str(game), as_scene=True, scene_name="Room", again=True) == {
+        "FINISHED"
+    }
+    shutil.rmtree(game / "Room.gltf")
+    submit("Card", "Tile")
+    (job,) = exports_of(finish_jobs())
+    assert (job.state, job_title(job)) == ("done", "Room for glTF")
+    assert (game / "Room.gltf" / "Room.glb").is_file()
+
+
+def test_an_export_that_fails_says_so_in_the_list_and_the_bake_stays_done(game: Path) -> None:
+    export("Card", game)
+    shutil.rmtree(game / "Card.gltf")
+    (game / "Card.gltf").write_text(BY_HAND)
+    submit("Card")
+    bake, job = finish_jobs()
+    assert (bake.state, job.state) == ("done", "failed")
+    assert "Card.gltf" in str(job.message)
+    assert (game / "Card.gltf").read_text() == BY_HAND
+
+
+def test_nothing_is_exported_after_what_was_cancelled(game: Path) -> None:
+    export("Card", game)
+    before = manifest(game)
+    submit("Card", "Tile")
+    jobs.cancel()
+    found = finish_jobs()
+    assert {job.state for job in found} == {"cancelled"}
+    assert exports_of(found) == []
+    submit("Tile", "Card")
+    jobs.cancel(3)  # the one that has an export goes on
+    (job,) = exports_of(finish_jobs())
+    assert job.state == "done"
+    assert manifest(game) != before
+
+
+def test_a_bake_without_its_preview_is_refused_where_it_is_exported_afterwards(game: Path) -> None:
+    export("Card", game)
+    with pytest.raises(InputError, match="'Card' is exported after each bake, from its preview: switch"):
+        submit("Card", preview=False)
+    with pytest.raises(RuntimeError, match="'Card' is exported after each bake"):
+        ops.radtex.bake(object="Card", overwrite=True, preview=False)
+    submit("Tile", preview=False)
+    assert jobs.snapshot()[0].object == "Tile"
+
+
+def test_a_script_that_bakes_here_finds_the_new_export_too(game: Path) -> None:
+    export("Card", game)
+    before = manifest(game)
+    assert ops.radtex.bake(object="Card", overwrite=True, texels=8) == {"FINISHED"}
+    assert manifest(game) != before
+    assert jobs.snapshot() == ()
+
+
+def test_another_file_may_be_opened_while_it_bakes(game: Path) -> None:
+    export("Card", game)
+    before = manifest(game)
+    submit("Card", texels=8)
+    bpy.ops.wm.read_homefile(use_empty=True)
+    (job,) = exports_of(finish_jobs())
+    assert job.state == "done"
+    assert manifest(game) != before
+
+
+def test_the_scene_keeps_one_export_of_a_bake_for_each_target(game: Path, tmp_path: Path) -> None:
+    export("Card", game)
+    export("Card", game, target="raw", zstd=False)
+    export("Card", tmp_path / "other")
+    kept = [(found.name, found.spec.target, found.out.parent) for found in kept_exports(context.scene)]
+    assert kept == [("Card", Target.RAW, game), ("Card", Target.GLTF, tmp_path / "other")]
+    assert not kept_exports(context.scene)[0].spec.zstd
+    assert ops.radtex.export(object="Card", target="raw", into=str(game), overwrite=True) == {"FINISHED"}
+    assert len(rows_of(context.scene)) == 2, "a script that does not speak of it changes nothing"
+    export("Card", game, target="raw", again=False, overwrite=True)
+    assert [found.spec.target for found in kept_exports(context.scene)] == [Target.GLTF]
+
+
+def test_it_is_kept_in_the_file_and_moves_with_its_folder(tmp_path: Path) -> None:
+    project = tmp_path / "project"
+    project.mkdir()
+    bpy.ops.wm.save_as_mainfile(filepath=str(project / "scene.blend"))
+    settings().directory = "//baked"
+    ops.radtex.bake(object="Card")
+    export("Card", Path(), into="//game")
+    assert rows_of(context.scene)[0].folder == "//game/Card.gltf"
+    bpy.ops.wm.save_mainfile()
+    moved = shutil.copytree(project, tmp_path / "moved")
+    before = manifest(project / "game")
+    bpy.ops.wm.open_mainfile(filepath=str(moved / "scene.blend"))
+    ops.radtex.bake(object="Card", overwrite=True, overwrite_any=True, texels=8)
+    assert manifest(moved / "game") != before
+    assert manifest(project / "game") == before
+
+
+def test_settings_of_a_later_version_are_left_out_and_can_be_taken_off(game: Path) -> None:
+    export("Card", game)
+    (row,) = rows_of(context.scene)
+    row.spec = row.spec.replace('"gltf"', '"hologram"')
+    assert kept_exports(context.scene) == ()
+    assert "Card" in drawn().texts
+    submit("Card")
+    assert exports_of(finish_jobs()) == []
+    assert ops.radtex.forget_export(row=0) == {"FINISHED"}
+    assert len(rows_of(context.scene)) == 0
+
+
+def test_the_panel_lists_them_with_a_cross_each(game: Path) -> None:
+    assert "After Each Bake" not in drawn().texts
+    export("Card", game)
+    export("Tile", game, target="raw")
+    layout = drawn()
+    at = layout.texts.index("After Each Bake")
+    assert layout.texts[at + 1] == "Card for glTF"
+    assert any(text.endswith("Card.gltf") for text in layout.texts)
+    assert "Tile for Raw" in layout.texts
+    crosses = [button for name, button in layout.buttons if name == "radtex.forget_export"]
+    assert [button.row for button in crosses] == [0, 1]
+    assert ops.radtex.forget_export(row=0) == {"FINISHED"}
+    assert [row.name for row in rows_of(context.scene)] == ["Tile"]
+    assert (game / "Card.gltf").is_dir(), "what was exported stays"
+    with pytest.raises(RuntimeError, match="not on the list any more"):
+        ops.radtex.forget_export(row=1)
+
+
+def test_settings_of_an_export_come_back_from_json() -> None:
+    spec = ExportSpec(Target.WEB, levels=3, limit=512, zstd=False, arrangement=Arrangement.SLICES)
+    for each in (spec, ExportSpec(Target.GODOT, mirror=True, sky=(0.1, 0.2, 0.3), image_limit=0)):
+        assert export_spec_in(Facts(export_facts(each), "here")) == each
