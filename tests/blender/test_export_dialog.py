@@ -242,6 +242,20 @@ def test_the_dialog_remembers_for_each_target_what_follows_a_bake(plain: Path, t
     assert kept_exports(context.scene) == ()
 
 
+def test_a_scene_that_follows_each_bake_says_nothing_of_its_bakes_alone(plain: Path) -> None:
+    for item in bpy.data.objects:
+        item.select_set(True)
+    settings = {"bake": str(plain), "target": "raw"}
+    asked(**settings, as_scene=True, scene_name="Room", again=True)
+    asked(**settings, object=NAME)
+    (found,) = kept_exports(context.scene)
+    assert (found.scene, len(found.sidecars)) == ("Room", 2)
+    asked(**settings, as_scene=True, scene_name="Attic")
+    assert [found.name for found in kept_exports(context.scene)] == ["Room"], "another name, another export"
+    asked(**settings, as_scene=True, scene_name="Room", again=False)
+    assert kept_exports(context.scene) == ()
+
+
 def test_two_bakes_in_one_folder_are_refused_before(plain: Path, tmp_path: Path) -> None:
     for item in bpy.data.objects:
         item.select_set(True)

@@ -13,11 +13,12 @@ from urllib.request import urlopen
 import numpy as np
 import pytest
 
-from tests.real.panel import Told, bake, jobs, wait_for_end
+from tests.real.panel import Told, bake, choose, jobs, wait_for_end
 from tests.real.window import Window, wait_until
 
 SHARP = {"atlas_layout": "buckets", "texels": 64, "bucket": 12, "samples": 8}
 IMAGES = "sorted(image.name for image in bpy.data.images if image.packed_file)"
+KEPT = "[row.name for row in bpy.context.scene.radtex_exports]"
 THREE = ["RadTex Baked", "RadTex Difference", "RadTex Path Traced"]
 WINDOWS = "len(bpy.context.window_manager.windows)"
 DIALOG = """
@@ -61,6 +62,31 @@ def test_the_dialog_is_about_the_object_that_it_was_opened_for(window: Window) -
         assert told.state == "done", told.message
     folders = {path.parent.name for path in (window.folder / "radtex" / "room").glob("*/*.glb")}
     assert {"Suzanne.web", "Suzanne.godot"} <= folders
+
+
+def test_an_export_that_the_dialog_keeps_is_made_again_after_the_next_bake(window: Window) -> None:
+    """It is kept as a step to undo."""
+    number = last_number(window)
+    window.point(500, 300)
+    window.ask(DIALOG.format(target="raw").replace("advanced=True", "again=True"))
+    sleep(SECONDS_TO_DRAW)
+    window.shot("export-after-each-bake")
+    window.key("Return")
+    wait_until(lambda: last_number(window) > number, 20, "no job")
+    assert wait_for_end(window).state == "done"
+    assert window.value(KEPT) == ["Suzanne"]
+    window.key("ctrl+z", over_view=True)
+    wait_until(lambda: window.value(KEPT) == [], 10, "it is not undone")
+    window.key("ctrl+shift+z", over_view=True)
+    wait_until(lambda: window.value(KEPT) == ["Suzanne"], 10, "it is not done again")
+    made = window.folder / "radtex" / "room" / "Suzanne.raw" / "Suzanne.export.json"
+    before = made.read_text()
+    choose(window, **{**SHARP, "texels": 32})
+    window.ask("bpy.ops.radtex.bake(object='Suzanne', overwrite=True, overwrite_any=True)")
+    wait_until(lambda: made.read_text() != before, 120, "it was not exported again")
+    told = wait_for_end(window)
+    assert (told.number, told.state) == (number + 3, "done"), told.message
+    window.shot("exported-after-a-bake")
 
 
 def test_a_page_opens_in_the_browser_once_it_is_exported(window: Window) -> None:

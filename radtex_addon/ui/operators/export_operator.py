@@ -71,7 +71,7 @@ class RADTEX_OT_export(MayWait, OfBake, bpy.types.Operator):
         again: bool
         advanced: bool
 
-        _asked_of: str  # the target that `again` was set for
+        _asked_of: tuple[str, str | None] | None  # the target and the scene's name that `again` was set for
         _sources: tuple[ExportSource, ...]  # the bakes that the dialog is about; empty without a dialog
         _plan: tuple[object, Plan] | None  # settings of the dialog, and the plan for them
     else:
@@ -156,7 +156,7 @@ class RADTEX_OT_export(MayWait, OfBake, bpy.types.Operator):
             options={"HIDDEN"},
         )
 
-        _asked_of = ""
+        _asked_of = None
         _sources = ()
         _plan = None
 
@@ -199,20 +199,21 @@ class RADTEX_OT_export(MayWait, OfBake, bpy.types.Operator):
         assert context.scene is not None  # as in every window
         self.scene_name = self.scene_name or context.scene.name
         if self.properties.is_property_set("again"):
-            self._asked_of = self.target
+            self._asked_of = self.target, self._scene_name()
         self.check(context)
 
     def check(self, context: bpy.types.Context | None) -> bool:
         """After each change in the dialog: leave a format that the target does not read.
 
-        For another target, *After Each Bake* starts as it was left for that one.
+        For another target, or another scene to export, *After Each Bake* starts as it was left for that one.
         """
         if self.format not in Target(self.target).traits.formats:
             self.format = "auto"
-        if self._asked_of != self.target:
+        asked = self.target, self._scene_name()
+        if self._asked_of != asked:
             sidecars = [source.sidecar.path for source in self._sources]
-            self.again = is_kept(shown(context)[0], sidecars, Target(self.target))
-            self._asked_of = self.target
+            self.again = is_kept(shown(context)[0], sidecars, Target(self.target), asked[1])
+            self._asked_of = asked
         return True
 
     def draw(self, context: bpy.types.Context | None) -> None:

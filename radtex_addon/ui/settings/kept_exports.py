@@ -89,13 +89,17 @@ def kept_export(row: RADTEX_PG_kept_export) -> KeptExport | None:
     return KeptExport(row.name, sidecars, out, spec, row.scene_name or None)
 
 
-def is_kept(scene: bpy.types.Scene, sidecars: Sequence[Path], target: Target) -> bool:
-    """Whether an export of one of these bakes for the target is made again after each bake."""
-    asked = set(map(real, sidecars))
-    return any(
-        found.spec.target is target and not asked.isdisjoint(map(real, found.sidecars))
-        for found in kept_exports(scene)
-    )
+def is_kept(
+    scene: bpy.types.Scene, sidecars: Sequence[Path], target: Target, scene_name: str | None = None
+) -> bool:
+    """Whether an export for the target is made again after each bake: of one of these bakes by itself.
+
+    With a `scene_name`, that as the scene of this name.
+    """
+    keys = {found.key for found in kept_exports(scene)}
+    if scene_name is not None:
+        return (target, scene_name, ()) in keys
+    return any((target, None, (real(path),)) in keys for path in sidecars)
 
 
 def keep(scene: bpy.types.Scene, export: KeptExport, *, relative: bool) -> None:
