@@ -69,7 +69,8 @@ class Request:
 
     `passes` fold samples into one atlas; `serve` is the port at which the web page is served meanwhile. With
     a `thumbnail` a bake also draws its UV map, in the file `map_picture`, if that is given. The meshes of
-    `collections` are baked, too, or `everything` that renders.
+    `collections` are baked, too, or `everything` that renders. With `export_again`, exports follow that the
+    .blend keeps of these bakes.
     """
 
     scene: Path | None
@@ -86,6 +87,7 @@ class Request:
     serve: int | None = None
     collections: tuple[str, ...] = ()
     everything: bool = False
+    export_again: bool = False
 
 
 def parse(arguments: list[str], inside_blender: bool) -> Request:
@@ -113,6 +115,8 @@ def read_request(found: argparse.Namespace, inside_blender: bool) -> Request:
         chosen["frame"] = found.frames[0]
     if found.exports and not (found.save_preview or demo):
         raise InputError("--export is made from the preview: give --save-preview too")
+    if found.export_again and not found.save_preview:
+        raise InputError("--export-again makes exports from the preview: give --save-preview too")
     objects = tuple(dict.fromkeys(found.object or ()))
     collections = tuple(dict.fromkeys(found.collection or ()))
     assets, as_scene = found.together == AUTO, found.all and found.together is None
@@ -157,6 +161,7 @@ def read_request(found: argparse.Namespace, inside_blender: bool) -> Request:
         parent_pipe=found.parent_pipe,
         passes=passes,
         serve=found.serve,
+        export_again=found.export_again,
         collections=collections,
         everything=found.all and not (objects or collections),
     )

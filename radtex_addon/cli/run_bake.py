@@ -33,6 +33,7 @@ from ..settings.spec import BakeSpec
 from ..settings.texel_density import told_density
 from ..store.bake_folder import FolderState
 from ..textures.export_spec import Target
+from ..textures.kept_exports import kept_exports
 from .arguments import Request
 from .asset_plans import asset_lines, atlases_of, plans_of
 from .collection_objects import with_collections
@@ -40,6 +41,7 @@ from .failure import as_ours
 from .interruption import INTERRUPTED, Interruption
 from .opening import open_asked
 from .reporting import Report
+from .run_export import export_again
 from .serving import address, serving
 from .terminal import tell
 from .whole_progress import WholeProgress, whole_progress
@@ -53,7 +55,8 @@ def run_bake(request: Request, report: Report, interruption: Interruption) -> No
     scene = open_asked(request, interruption)
     request = with_collections(scene, request, report)
     with serving(request.bakes.folder, request.serve) as port:
-        pages = _bake(scene, request, report, interruption, "")
+        done = _bake(scene, request, report, interruption, "")
+        pages = [page for each in done for page in each.exported if page.suffix == f".{Target.WEB}"]
         for page in pages if port is not None else ():
             report.event("note", message=f"{page.stem} is shown at {address(port or 0, page)}")
         for number in range(1, request.passes):
@@ -68,9 +71,10 @@ def run_bake(request: Request, report: Report, interruption: Interruption) -> No
 
 def _bake(
     scene: bpy.types.Scene, request: Request, report: Report, interruption: Interruption, after: str
-) -> list[Path]:
-    """Bake each object once and report the results, their titles ending in `after`; returns the web pages."""
-    pages: list[Path] = []
+) -> list[BakeResult]:
+    """Bake each object once and report the results, their titles ending in `after`."""
+    done: list[BakeResult] = []
+    kept = kept_exports(scene) if request.export_again else ()
     atlases = atlases_of(scene, request.bakes)
     plans = plans_of(scene, request.bakes, atlases)
     _tell_of_bakes_there(plans, report)
@@ -91,14 +95,16 @@ def _bake(
         for plan in plans:
             of_plan = replace(request, bakes=plan.request)
             try:
-                pages += _bake_plan(scene, plan, of_plan, report, interruption, after, whole)
+                done += _bake_plan(scene, plan, of_plan, report, interruption, after, whole)
             except InputError as error:
                 if not request.bakes.as_scene:
                     raise
                 failures.append(error)
+    if request.export_again and done:
+        export_again(kept, [each.files.sidecar for each in done], report, interruption)
     if failures:
         raise _without_some(failures, len(wanted))
-    return pages
+    return done
 
 
 def _without_some(failures: Sequence[InputError], count: int) -> InputError:
@@ -128,12 +134,12 @@ def _bake_plan(
     interruption: Interruption,
     after: str,
     whole: WholeProgress | None,
-) -> list[Path]:
-    """Make the bakes of a plan, which was checked, and report each; returns the web pages.
+) -> list[BakeResult]:
+    """Make the bakes of a plan, which was checked, and report each.
 
     `whole` counts the bakes of all plans, if there are several.
     """
-    pages: list[Path] = []
+    done: list[BakeResult] = []
     thumbnail = partial(_thumbnail, request, report)
     for number, (name, spec, steps) in enumerate(steps_of_bakes(scene, plan, thumbnail)):
         title = _numbered_title(name, spec, number, len(plan.wanted)) + after
@@ -145,8 +151,8 @@ def _bake_plan(
         others = [*_pictures(request, result), *result.exported]
         facts = facts_of(spec, result, others)
         report.event("done", object=name, summary=summary_of(title, spec, result), **facts)
-        pages += [path for path in result.exported if path.suffix == f".{Target.WEB}"]
-    return pages
+        done.append(result)
+    return done
 
 
 def _tell_progress(report: Report, title: str, whole: WholeProgress | None, step: Progress) -> None:

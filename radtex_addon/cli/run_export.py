@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterable
+from collections.abc import Generator, Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -12,12 +12,13 @@ from time import monotonic
 
 from ..core.errors import Cancelled, InputError, RadTexError
 from ..export.exporting import Exported, ExportSource, check_folders_differ, export_steps
-from ..export.exporting_scene import export_scene_steps
+from ..export.exporting_scene import export_again_steps, export_scene_steps
 from ..formats.disk.memory import readable_size
 from ..formats.sidecar_file import SidecarFile
 from ..report.finished_bake import find_bakes, find_bakes_of_all, object_of
 from ..settings.spec import Kind
 from ..textures.export_spec import ExportSpec, ExportStep, Target
+from ..textures.kept_exports import KeptExport, real
 from ..worker.orders import EXPORTING, exported_part
 from .export_arguments import ExportRequest
 from .interruption import Interruption
@@ -137,6 +138,31 @@ def _export(
         target=str(made.target),
         bytes=made.bytes,
     )
+
+
+def export_again(
+    kept: Sequence[KeptExport], sidecars: Iterable[Path], report: Report, interruption: Interruption
+) -> None:
+    """Make those of the `kept` exports again that are of new bakes, by these sidecars, and report each.
+
+    Of several, those that fail are warned of, and the others made. Raises RadTexError if any has failed.
+    """
+    made = set(map(real, sidecars))
+    due = [each for each in kept if each.is_of(made)]
+    if not due:
+        report.event("note", message="the .blend keeps no export of these bakes: none is made again")
+    errors: list[RadTexError] = []
+    for each in due:
+        try:
+            _export(each.name, export_again_steps(each), report, interruption)
+        except Cancelled:
+            raise
+        except RadTexError as error:
+            errors.append(error)
+    for other in errors[1:]:
+        report.event("warning", **told(other.message))
+    if errors:
+        raise errors[0]
 
 
 def export_baked(

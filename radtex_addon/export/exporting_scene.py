@@ -13,6 +13,7 @@ from ..formats.sidecar import safe_name
 from ..formats.sidecar_file import AnySidecar
 from ..settings.targets import TargetTraits
 from ..textures.export_spec import ExportSpec, ExportStep, ExportTask, Target
+from ..textures.kept_exports import KeptExport
 from ..version import VERSION
 from .export_manifest import Manifest
 from .exporting import (
@@ -21,6 +22,7 @@ from .exporting import (
     Flat,
     check_bake,
     check_writer,
+    export_steps,
     flat_steps,
     manifest_of,
     pictures_of,
@@ -98,6 +100,16 @@ def export_scene_steps(
         write(pack, folder)
         made = Exported.of(folder, out, pack.name, spec.target)
     return made
+
+
+def export_again_steps(kept: KeptExport) -> Generator[ExportStep, None, Exported]:
+    """Make a kept export again, in the place of what is there.
+
+    As of `export_steps`, and of `export_scene_steps` for a scene.
+    """
+    if kept.scene is None:
+        return export_steps(kept.sidecars[0], kept.spec, kept.out, overwrite=True)
+    return export_scene_steps(kept.sidecars, kept.spec, kept.scene, kept.out, overwrite=True)
 
 
 def _pack(

@@ -405,6 +405,9 @@ EXPORTS = Section(Fold.OUTPUT, (
          help="also make DIR/NAME.TARGET of the bake, as bake.py export --to TARGET does; may be given "
          "several times, and needs --save-preview",
          tooltip="Folders to make of the bake once it is done: for browsers, engines and viewers"),
+    _row("export_again", flag="--export-again", default=False,
+         help="also make the exports again that the .blend keeps of these bakes, in the same folders by the "
+         "same settings: those with After Each Bake in the panel's dialog; needs --save-preview"),
     _row("thumbnail", flag="--thumbnail", metavar="FILE",
          help="a small PNG of what is baked so far, written anew every second"),
 ))

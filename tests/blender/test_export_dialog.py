@@ -20,10 +20,10 @@ from radtex_addon.export.targets import web
 from radtex_addon.job import bake_object
 from radtex_addon.settings.spec import BakeSpec, Kind
 from radtex_addon.textures.export_spec import ExportSpec, Target
+from radtex_addon.textures.kept_exports import kept_exports
 from radtex_addon.ui import registration
 from radtex_addon.ui.operators.export_dialog import dialog_title, draw_dialog
 from radtex_addon.ui.operators.export_operator import RADTEX_OT_export
-from radtex_addon.ui.settings.kept_exports import kept_exports
 from radtex_addon.ui.settings.preferences import ADDON, preferred
 from tests.blender.recorded_layout import RecordedLayout
 from tests.blender.test_swap import LAYERED, NAME, PLAIN, bake_of, ball

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
@@ -13,17 +14,20 @@ from typing import Any, cast
 import bpy
 import pytest
 
+from radtex_addon.cli.arguments import parse
 from radtex_addon.core.errors import InputError
 from radtex_addon.formats.json_reader import Facts
 from radtex_addon.job.bake_plan import plan_bakes
 from radtex_addon.textures.export_spec import Arrangement, ExportSpec, Target, export_facts, export_spec_in
+from radtex_addon.textures.kept_exports import kept_exports
 from radtex_addon.ui.jobs import jobs
 from radtex_addon.ui.panel import settings_panels
 from radtex_addon.ui.panel.jobs_panel import job_title
-from radtex_addon.ui.settings.kept_exports import kept_exports, rows_of
+from radtex_addon.ui.settings.kept_exports import rows_of
 from radtex_addon.ui.settings.request import request_of, values_of
 from radtex_addon.worker.job import Job
 from tests.blender import stage
+from tests.blender.batch_process import process
 from tests.blender.recorded_layout import RecordedLayout
 from tests.blender.ui_stage import context, finish_jobs, ops, preferences, registered, settings
 
@@ -209,6 +213,33 @@ def test_it_is_kept_in_the_file_and_moves_with_its_folder(tmp_path: Path) -> Non
     ops.radtex.bake(object="Card", overwrite=True, overwrite_any=True, texels=8)
     assert manifest(moved / "game") != before
     assert manifest(project / "game") == before
+
+
+def test_the_batch_makes_it_again_where_that_is_asked_for(game: Path, out: Path) -> None:
+    """By what the .blend says, in a Blender where RadTex is not enabled; others are made where one fails."""
+    file = game.parent / "scene.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(file))
+    export("Card", game)
+    export("Card", game, target="raw")
+    export("Tile", game)
+    bpy.ops.wm.save_mainfile()
+    before, tile = manifest(game), manifest(game, "Tile")
+    shutil.rmtree(game / "Card.raw")
+    (game / "Card.raw").write_text(BY_HAND)
+    line = [file, "--object", "Card", "--out", out, "--texels", "8", "--layout", "buckets", "--bucket", "2"]
+    line += ["--samples", "1", "--overwrite-any", "--save-preview", "--export-again", "--progress", "json"]
+    ended = process(*line)
+    done = [event for event in map(json.loads, ended.out.splitlines()) if event["event"] == "done"]
+    assert [event["files"] for event in done][1:] == [[str(game / "Card.gltf")]]
+    assert manifest(game) != before
+    assert manifest(game, "Tile") == tile
+    assert ended.code == 2
+    assert "Card.raw" in ended.err
+    (game / "Card.raw").unlink()
+    assert process(*line).code == 0
+    assert (game / "Card.raw" / "Card.glb").is_file()
+    with pytest.raises(InputError, match="--export-again makes exports from the preview"):
+        parse(["scene.blend", "--object", "Card", "--export-again"], inside_blender=False)
 
 
 def test_settings_of_a_later_version_are_left_out_and_can_be_taken_off(game: Path) -> None:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..settings.kept_exports import KeptExport, kept_exports, real
+from ...textures.kept_exports import KeptExport, kept_exports, real
 
 if TYPE_CHECKING:
     import bpy
@@ -51,7 +51,7 @@ class RepeatedExports:
                         "switch Preview on, or take that export off the list below Export"
                     )
                 asked.add(sidecar)
-        kept = tuple(export for export in every if not asked.isdisjoint(map(real, export.sidecars)))
+        kept = tuple(export for export in every if export.is_of(asked))
         return cls(kept) if kept else None
 
     def note(self, name: str, files: Sequence[Path]) -> None:
@@ -61,7 +61,7 @@ class RepeatedExports:
     @property
     def due(self) -> tuple[KeptExport, ...]:
         """Those of which a bake was made."""
-        return tuple(each for each in self.kept if not self.made.keys().isdisjoint(map(real, each.sidecars)))
+        return tuple(each for each in self.kept if each.is_of(self.made.keys()))
 
     def orders(self, cache: Path | None) -> list[Order]:
         """Orders for the exports that are due.
@@ -91,12 +91,7 @@ class RepeatedExports:
     def export_here(self) -> Iterator[Exported]:
         """Make the exports that are due in this process, and yield each. Raises RadTexError."""
         from ...bake.progress import finished
-        from ...export.exporting import export_steps
-        from ...export.exporting_scene import export_scene_steps
+        from ...export.exporting_scene import export_again_steps
 
         for each in self.due:
-            if each.scene is None:
-                yield finished(export_steps(each.sidecars[0], each.spec, each.out, overwrite=True))
-            else:
-                steps = export_scene_steps(each.sidecars, each.spec, each.scene, each.out, overwrite=True)
-                yield finished(steps)
+            yield finished(export_again_steps(each))

@@ -12,8 +12,9 @@ from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
 
 from ...settings.menu_items import TARGETS
 from ...settings.targets import DEFAULT_TARGET, Target
+from ...textures.kept_exports import KeptExport
 from ..panel.labels import iface_, remark
-from ..settings.kept_exports import KeptExport, forget, is_kept, keep, rows_of
+from ..settings.kept_exports import forget, is_kept, keep, rows_of
 from ..settings.preferences import preferred, remember_export
 from .bake_lookup import in_object_mode
 from .bake_operator import shown

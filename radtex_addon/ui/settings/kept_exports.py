@@ -5,21 +5,15 @@
 from __future__ import annotations
 
 import json
-import logging
-import os
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import bpy
 from bpy.props import StringProperty
 
-from ...core.errors import RadTexError
-from ...formats.json_reader import Facts
-from ...textures.export_spec import ExportSpec, Target, export_facts, export_spec_in
-
-_log = logging.getLogger(__name__)
+from ...textures.export_spec import Target, export_facts
+from ...textures.kept_exports import KEPT, KeptExport, kept_exports, real
 
 
 class RADTEX_PG_kept_export(bpy.types.PropertyGroup):
@@ -45,48 +39,15 @@ class RADTEX_PG_kept_export(bpy.types.PropertyGroup):
         spec: StringProperty(name="Settings", description="The settings of the export, as JSON")
 
 
-@dataclass(frozen=True)
-class KeptExport:
-    """An export of one bake, by its sidecar, or of several as the `scene` of that name, into `out`."""
-
-    name: str
-    sidecars: tuple[Path, ...]
-    out: Path
-    spec: ExportSpec
-    scene: str | None = None
-
-    @property
-    def key(self) -> tuple[object, ...]:
-        """Of each bake, and of each exported scene, one export is kept for each target."""
-        bakes = tuple(map(real, self.sidecars)) if self.scene is None else ()
-        return self.spec.target, self.scene, bakes
-
-
-def real(path: Path | str) -> Path:
-    """The path as it is compared with others: without links and `..`."""
-    return Path(os.path.realpath(path))
-
-
 def rows_of(scene: bpy.types.Scene) -> Any:
     """The exports that the scene keeps, as Blender's collection of `RADTEX_PG_kept_export`."""
-    return scene.radtex_exports  # type: ignore[attr-defined]  # ours, not Blender's
-
-
-def kept_exports(scene: bpy.types.Scene) -> tuple[KeptExport, ...]:
-    """The exports that the scene keeps, without those of which a later version wrote what this one cannot."""
-    return tuple(found for row in rows_of(scene) if (found := kept_export(row)) is not None)
+    return getattr(scene, KEPT)
 
 
 def kept_export(row: RADTEX_PG_kept_export) -> KeptExport | None:
     """The export of a row; None if its settings cannot be read."""
-    try:
-        spec = export_spec_in(Facts.parse(row.spec, f"the export of {row.name}", "settings of an export"))
-    except RadTexError as error:
-        _log.warning("%s", error)
-        return None
-    sidecars = tuple(Path(bpy.path.abspath(line)) for line in row.sidecars.splitlines())
-    out = Path(os.path.normpath(bpy.path.abspath(row.folder)))
-    return KeptExport(row.name, sidecars, out, spec, row.scene_name or None)
+    names = ("name", "sidecars", "folder", "scene_name", "spec")
+    return KeptExport.of({name: getattr(row, name) for name in names})
 
 
 def is_kept(

@@ -1,0 +1,76 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Exports that a .blend keeps, to be made again whenever their bakes are."""
+
+from __future__ import annotations
+
+import logging
+import os
+from collections.abc import Collection, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import bpy
+
+from ..core.errors import RadTexError
+from ..formats.json_reader import Facts
+from .export_spec import ExportSpec, export_spec_in
+
+KEPT = "radtex_exports"  # the scene's property
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class KeptExport:
+    """An export of one bake, by its sidecar, or of several as the `scene` of that name, into `out`."""
+
+    name: str
+    sidecars: tuple[Path, ...]
+    out: Path
+    spec: ExportSpec
+    scene: str | None = None
+
+    @classmethod
+    def of(cls, row: Any) -> KeptExport | None:
+        """The export in a row of the scene's property, a mapping; None if its settings cannot be read.
+
+        A path that begins with `//` is relative to the open .blend.
+        """
+        name = row.get("name", "")
+        try:
+            facts = Facts.parse(row.get("spec", ""), f"the export of {name}", "settings of an export")
+            spec = export_spec_in(facts)
+        except RadTexError as error:
+            _log.warning("%s", error)
+            return None
+        sidecars = tuple(Path(bpy.path.abspath(line)) for line in row.get("sidecars", "").splitlines())
+        out = Path(os.path.normpath(bpy.path.abspath(row.get("folder", ""))))
+        return cls(name, sidecars, out, spec, row.get("scene_name") or None)
+
+    @property
+    def key(self) -> tuple[object, ...]:
+        """Of each bake, and of each exported scene, one export is kept for each target."""
+        bakes = tuple(map(real, self.sidecars)) if self.scene is None else ()
+        return self.spec.target, self.scene, bakes
+
+    def is_of(self, sidecars: Collection[Path]) -> bool:
+        """Whether one of these bakes is in it; the paths are `real` ones."""
+        return any(real(path) in sidecars for path in self.sidecars)
+
+
+def real(path: Path | str) -> Path:
+    """The path as it is compared with others: without links and `..`."""
+    return Path(os.path.realpath(path))
+
+
+def kept_exports(scene: bpy.types.Scene) -> tuple[KeptExport, ...]:
+    """The exports that the scene keeps, whether RadTex is enabled in this Blender or not.
+
+    Without those whose settings were written by a later version, and are unknown to this one.
+    """
+    stored: Any = scene
+    if bpy.app.version >= (5, 0, 0):  # it keeps properties of add-ons apart from the user's
+        stored = stored.bl_system_properties_get()
+    rows: Iterable[Any] = () if stored is None else stored.get(KEPT, ())
+    return tuple(found for row in rows if (found := KeptExport.of(row)) is not None)
