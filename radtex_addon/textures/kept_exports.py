@@ -33,16 +33,16 @@ class KeptExport:
 
     @classmethod
     def of(cls, row: Any) -> KeptExport | None:
-        """The export in a row of the scene's property, a mapping; None if its settings cannot be read.
+        """The export in a row of the scene's property, a mapping.
 
-        A path that begins with `//` is relative to the open .blend.
+        None if its settings cannot be read, as those of a later version. A path that begins with `//` is
+        relative to the open .blend.
         """
         name = row.get("name", "")
         try:
             facts = Facts.parse(row.get("spec", ""), f"the export of {name}", "settings of an export")
             spec = export_spec_in(facts)
-        except RadTexError as error:
-            _log.warning("%s", error)
+        except RadTexError:
             return None
         sidecars = tuple(Path(bpy.path.abspath(line)) for line in row.get("sidecars", "").splitlines())
         out = Path(os.path.normpath(bpy.path.abspath(row.get("folder", ""))))
@@ -67,10 +67,13 @@ def real(path: Path | str) -> Path:
 def kept_exports(scene: bpy.types.Scene) -> tuple[KeptExport, ...]:
     """The exports that the scene keeps, whether RadTex is enabled in this Blender or not.
 
-    Without those whose settings were written by a later version, and are unknown to this one.
+    Those whose settings cannot be read are warned of, and left out.
     """
     stored: Any = scene
     if bpy.app.version >= (5, 0, 0):  # it keeps properties of add-ons apart from the user's
         stored = stored.bl_system_properties_get()
     rows: Iterable[Any] = () if stored is None else stored.get(KEPT, ())
-    return tuple(found for row in rows if (found := KeptExport.of(row)) is not None)
+    found = [KeptExport.of(row) for row in rows]
+    if lost := found.count(None):
+        _log.warning("%d exports after each bake have settings of another version: export them again", lost)
+    return tuple(each for each in found if each is not None)

@@ -7,6 +7,7 @@ from __future__ import annotations
 import json
 import shutil
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
@@ -23,6 +24,8 @@ from radtex_addon.textures.kept_exports import kept_exports
 from radtex_addon.ui.jobs import jobs
 from radtex_addon.ui.panel import settings_panels
 from radtex_addon.ui.panel.jobs_panel import job_title
+from radtex_addon.ui.panel.remedies import offers
+from radtex_addon.ui.panel.request_checks import foreseen
 from radtex_addon.ui.settings.kept_exports import rows_of
 from radtex_addon.ui.settings.request import request_of, values_of
 from radtex_addon.worker.job import Job
@@ -161,6 +164,14 @@ def test_a_bake_without_its_preview_is_refused_where_it_is_exported_afterwards(g
     export("Card", game)
     with pytest.raises(InputError, match="'Card' is exported after each bake, from its preview: switch"):
         submit("Card", preview=False)
+    settings().preview = False
+    request = request_of(values_of(settings()), ("Card",))
+    (error,) = foreseen(context.scene, replace(request, overwrite=True), 1.0).errors
+    assert "'Card' is exported after each bake" in str(error), "the button is grey, and the panel says why"
+    (offer,) = offers(error, settings())
+    assert (offer.name, offer.text) == ("preview", "Switch On Preview")
+    assert not foreseen(context.scene, replace(request, objects=("Tile",), overwrite=True), 1.0).errors
+    settings().preview = True
     with pytest.raises(RuntimeError, match="'Card' is exported after each bake"):
         ops.radtex.bake(object="Card", overwrite=True, preview=False)
     submit("Tile", preview=False)
@@ -196,6 +207,12 @@ def test_the_scene_keeps_one_export_of_a_bake_for_each_target(game: Path, tmp_pa
     assert len(rows_of(context.scene)) == 2, "a script that does not speak of it changes nothing"
     export("Card", game, target="raw", again=False, overwrite=True)
     assert [found.spec.target for found in kept_exports(context.scene)] == [Target.GLTF]
+
+
+def test_a_folder_is_that_of_one_export(game: Path) -> None:
+    export("Card", game, into="", directory=str(game / "thing"))
+    export("Tile", game, into="", directory=str(game / "thing"), overwrite=True)
+    assert [row.name for row in rows_of(context.scene)] == ["Tile"]
 
 
 def test_it_is_kept_in_the_file_and_moves_with_its_folder(tmp_path: Path) -> None:

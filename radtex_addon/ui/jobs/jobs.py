@@ -290,7 +290,8 @@ def _export_again(ended: Iterable[Job]) -> bool:
             _log.warning("%s", error)
     for order in orders:
         _session.queue.add(order)
-    _session.shown = _session.queue.snapshot()
+    if orders:
+        _session.shown = _session.queue.snapshot()
     return bool(orders)
 
 

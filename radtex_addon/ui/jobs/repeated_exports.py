@@ -37,6 +37,7 @@ class RepeatedExports:
         Raises InputError for a bake without the preview that its export is made from.
         """
         from ...core.errors import InputError
+        from ...core.messages import Setting, do
         from ...job.variants import title_of
 
         every = kept_exports(scene)
@@ -47,8 +48,9 @@ class RepeatedExports:
                 sidecar = real(plan.request.place(bake).files.sidecar)
                 if sidecar in known and not plan.request.saves_preview:
                     raise InputError(
-                        f"the bake of '{title_of(*bake)}' is exported after each bake, from its preview: "
-                        "switch Preview on, or take that export off the list below Export"
+                        f"'{title_of(*bake)}' is exported after each bake, from its preview",
+                        do("switch Preview on", Setting.SAVE_PREVIEW),
+                        do("take that export off the list in Output"),
                     )
                 asked.add(sidecar)
         kept = tuple(export for export in every if export.is_of(asked))

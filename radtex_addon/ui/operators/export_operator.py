@@ -14,6 +14,7 @@ from ...settings.menu_items import TARGETS
 from ...settings.targets import DEFAULT_TARGET, Target
 from ...textures.kept_exports import KeptExport
 from ..panel.labels import iface_, remark
+from ..panel.panel_state import mark_stale
 from ..settings.kept_exports import forget, is_kept, keep, rows_of
 from ..settings.preferences import preferred, remember_export
 from .bake_lookup import in_object_mode
@@ -320,6 +321,7 @@ class RADTEX_OT_export(MayWait, OfBake, bpy.types.Operator):
             else:
                 changed |= forget(scene, export)
         if changed:
+            mark_stale()
             push_step("Export After Each Bake")
 
     def _places(self, sources: list[ExportSource], spec: ExportSpec) -> list[Place]:
@@ -380,6 +382,7 @@ class RADTEX_OT_forget_export(bpy.types.Operator):
             self.report({"ERROR"}, "That export is not on the list any more")
             return {"CANCELLED"}
         rows.remove(self.row)
+        mark_stale()
         push_step(self.bl_label)
         return {"FINISHED"}
 

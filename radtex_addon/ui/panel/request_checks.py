@@ -19,6 +19,7 @@ from ...job.left_out import Found, LeftOut, find_bakeable
 from ...job.preflight import Preflight
 from ...preview.swap import is_on
 from ...store.bake_folder import FolderState
+from ..jobs.repeated_exports import RepeatedExports
 from ..settings.bake_settings import BakeSettings
 from ..settings.object_settings import by_settings
 from ..settings.request import spec_of, values_of
@@ -79,6 +80,7 @@ def foreseen(scene: bpy.types.Scene, request: BakeRequest, patience: float) -> P
     try:
         plan = plan_bakes(scene, request, guess=True)
         check_left([plan])
+        RepeatedExports.of(scene, [plan])
     except InputError as error:
         return Preflight((error.message,))
     return preflight(scene, plan, patience)

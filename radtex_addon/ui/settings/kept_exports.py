@@ -64,7 +64,7 @@ def is_kept(
 
 
 def keep(scene: bpy.types.Scene, export: KeptExport, *, relative: bool) -> None:
-    """Keep an export, in the place of another of the same bake or scene for that target.
+    """Keep an export, in the place of another of the same bake or scene for that target, or in that folder.
 
     With `relative`, its folder is found again after the .blend was moved together with it.
     """
@@ -78,12 +78,13 @@ def keep(scene: bpy.types.Scene, export: KeptExport, *, relative: bool) -> None:
 
 
 def forget(scene: bpy.types.Scene, export: KeptExport) -> bool:
-    """Keep no export of that bake or scene for that target any more; returns whether one was kept."""
+    """Keep none of that bake or scene for that target, or in that folder; returns whether one was kept."""
     rows = rows_of(scene)
     same = [
         number
         for number, row in enumerate(rows)
-        if (found := kept_export(row)) is not None and found.key == export.key
+        if (found := kept_export(row)) is not None
+        and (found.key == export.key or real(found.out) == real(export.out))
     ]
     for number in reversed(same):
         rows.remove(number)
