@@ -70,7 +70,6 @@ def test_an_export_that_the_dialog_keeps_is_made_again_after_the_next_bake(windo
     window.point(500, 300)
     window.ask(DIALOG.format(target="raw").replace("advanced=True", "again=True"))
     sleep(SECONDS_TO_DRAW)
-    window.shot("export-after-each-bake")
     window.key("Return")
     wait_until(lambda: last_number(window) > number, 20, "no job")
     assert wait_for_end(window).state == "done"
@@ -86,7 +85,6 @@ def test_an_export_that_the_dialog_keeps_is_made_again_after_the_next_bake(windo
     wait_until(lambda: made.read_text() != before, 120, "it was not exported again")
     told = wait_for_end(window)
     assert (told.number, told.state) == (number + 3, "done"), told.message
-    window.shot("exported-after-a-bake")
 
 
 def test_a_page_opens_in_the_browser_once_it_is_exported(window: Window) -> None:
