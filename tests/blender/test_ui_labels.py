@@ -10,8 +10,8 @@ import re
 from collections.abc import Iterator
 from itertools import pairwise
 from pathlib import Path
+from types import SimpleNamespace
 
-import blf
 import pytest
 
 from radtex_addon.bake.bake_title import bake_title, variant_title
@@ -25,8 +25,7 @@ from radtex_addon.settings.options import CALLED
 from radtex_addon.settings.spec import BakeSpec
 from radtex_addon.textures.export_spec import ExportTask
 from radtex_addon.ui import registration
-from radtex_addon.ui.panel import draw_messages as messages_module
-from radtex_addon.ui.panel import labels
+from radtex_addon.ui.panel import fitting, labels
 from radtex_addon.ui.panel.labels import remark
 from radtex_addon.worker.orders import EXPORTING
 from tests.blender.ui_stage import context, properties_of, registered
@@ -133,15 +132,47 @@ def test_files_of_the_folder_go_by_their_names(tmp_path: Path) -> None:
     assert remark(f"{tmp_path} cannot be written", tmp_path) == f"{tmp_path} cannot be written"
 
 
-@pytest.mark.parametrize("room", [60, 160, 400])
+@pytest.mark.parametrize("room", [24, 60, 160, 400])
 def test_messages_are_wrapped_to_the_sidebar(room: float) -> None:
     text = "Card.radiance.exr is already there: overwrite it, or choose another folder"
-    lines = messages_module.wrapped(text, room)
-    blf.size(0, context.preferences.ui_styles[0].widget.points)
-    assert " ".join(lines) == text
-    assert all(blf.dimensions(0, line)[0] <= room for line in lines if " " in line)
+    lines = fitting.wrapped(text, room)
+    assert all(fitting.text_width(line) <= room for line in lines)
+    assert "".join(lines).replace(" ", "") == text.replace(" ", "")
     for line, following in pairwise(lines):
-        assert blf.dimensions(0, f"{line} {following.split()[0]}")[0] > room
+        if room >= 160:  # where every word fits, as much as fits is on each line
+            assert fitting.text_width(f"{line} {following.split()[0]}") > room
+
+
+@pytest.mark.parametrize(("room", "whole"), [(120, True), (70, False)])
+def test_a_long_path_is_broken_after_a_slash_and_its_file_stays_readable(room: float, whole: bool) -> None:
+    path = "//textures/kitchen/wood/oak_planks_colour_4k.png"
+    lines = fitting.wrapped(f"image 'Oak' is missing: put {path} back", room)
+    assert all(fitting.text_width(line) <= room for line in lines)
+    assert "".join(lines).replace(" ", "").endswith(f"put{path}back")
+    assert not any("…" in line for line in lines)
+    assert any(line.startswith("oak_planks") for line in lines) or not whole
+
+
+def test_a_name_that_is_too_long_keeps_its_end() -> None:
+    shorter = fitting.shortened("Kitchen_Cabinet_Door.012", 80)
+    assert fitting.text_width(shorter) <= 80
+    assert shorter.startswith("Ki")
+    assert shorter.endswith(".012")
+    assert fitting.shortened("Door.012", 80) == "Door.012"
+    assert fitting.fitting(80, "Kitchen_Cabinet_Door.012", "Door") == "Door"
+
+
+def test_text_is_measured_at_the_scale_of_the_interface(monkeypatch: pytest.MonkeyPatch) -> None:
+    narrow = SimpleNamespace(width=165)
+    usual = SimpleNamespace(system=SimpleNamespace(ui_scale=1.0), ui_styles=context.preferences.ui_styles)
+    large = SimpleNamespace(system=SimpleNamespace(ui_scale=1.5), ui_styles=context.preferences.ui_styles)
+    rooms = {}
+    for name, preferences in (("usual", usual), ("large", large)):
+        fake = SimpleNamespace(context=SimpleNamespace(region=narrow, preferences=preferences))
+        monkeypatch.setattr(fitting, "bpy", fake)
+        rooms[name] = fitting.sidebar_room(), fitting.text_width("Bake the Scene")
+    assert rooms["large"][0] == pytest.approx(rooms["usual"][0] - 55)
+    assert rooms["large"][1] == pytest.approx(rooms["usual"][1], rel=0.06), "in pixels at UI scale 1"
 
 
 def test_every_stage_of_a_job_has_its_words() -> None:

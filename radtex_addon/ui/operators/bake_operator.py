@@ -12,7 +12,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, StringProperty
 
 from ...scene.surfaces import may_have_faces
-from ..panel.draw_messages import draw_wrapped
+from ..panel.fitting import draw_wrapped
 from ..panel.labels import iface_, remark, size
 from ..settings.bake_settings import NAMES, BakeSettings
 from ..settings.chosen_objects import chosen_names, nothing_chosen, told_names

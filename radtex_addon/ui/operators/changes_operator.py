@@ -10,7 +10,7 @@ import bpy
 
 from ...core.errors import FormatError
 from ...version import VERSION
-from ..panel.draw_messages import draw_wrapped
+from ..panel.fitting import draw_wrapped
 from ..panel.labels import iface_, remark
 from ..panel.redraw import redraw
 from ..settings.seen_version import mark_seen, news, news_title, seen_version

@@ -16,7 +16,7 @@ import bpy
 from ...bake.bake_title import bake_title, variant_title
 from ...settings.menu_items import KINDS
 from ...settings.targets import Target
-from ..panel.draw_messages import wrapped
+from ..panel.fitting import wrapped
 from ..panel.labels import iface_, remark, size
 
 if TYPE_CHECKING:

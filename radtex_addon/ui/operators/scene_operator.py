@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import bpy
 from bpy.props import BoolProperty, EnumProperty
 
-from ..panel.draw_messages import draw_wrapped
+from ..panel.fitting import draw_wrapped
 from ..panel.labels import duration, iface_, remark
 from ..settings.chosen_objects import chosen_by, selected_meshes
 from .bake_operator import bake_here, can_bake, check_plan, questions, show_objects, shown

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeGuard
 
 import bpy
 
-from ..panel.draw_messages import draw_text
+from ..panel.fitting import draw_text, for_button, side_by_side
 from ..panel.labels import iface_
 
 if TYPE_CHECKING:
@@ -31,7 +31,9 @@ def draw_switch(layout: Any, item: bpy.types.Object | None, files: Sequence[Path
     row = layout.row()
     row.scale_y = LARGE
     icon = "HIDE_OFF" if pressed else "HIDE_ON"
-    switch = row.operator("radtex.preview_toggle", icon=icon, depress=pressed)
+    switch = row.operator(
+        "radtex.preview_toggle", text=_preview(), icon=icon, depress=pressed, translate=False
+    )
     switch.action = "ON" if switched and not pressed else "TOGGLE"
     return switch
 
@@ -48,7 +50,7 @@ def draw_layers(layout: Any, item: bpy.types.Object | None) -> None:
 
 def draw_show(layout: Any) -> Any:
     """Draw a button that shows one of several bakes of an object; returns its operator's properties."""
-    switch = layout.operator("radtex.preview_toggle", icon="HIDE_OFF")
+    switch = layout.operator("radtex.preview_toggle", text=_preview(), icon="HIDE_OFF", translate=False)
     switch.action = "ON"
     return switch
 
@@ -63,7 +65,13 @@ def draw_shading(layout: Any, space: bpy.types.Space | None) -> None:
     if not is_blind(space):
         return
     draw_text(layout, iface_("Seen in these shadings only:"), "INFO")
-    row = layout.row(align=True)
+    shadings = (("MATERIAL", iface_("Material")), ("RENDERED", iface_("Rendered")))
+    row, _ = side_by_side(layout, [name for _, name in shadings])
     row.use_property_split = False
-    for shading, name in (("MATERIAL", "Material"), ("RENDERED", "Rendered")):
-        row.prop_enum(space.shading, "type", shading, text=name)
+    for shading, name in shadings:
+        row.prop_enum(space.shading, "type", shading, text=name, translate=False)
+
+
+def _preview() -> str:
+    """The preview button's text."""
+    return for_button(iface_("Preview Bake"), iface_("Preview"))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import bpy
 
 from ..jobs import estimates
-from .draw_messages import draw_text
+from .fitting import draw_text, fits_beside, fitting, for_button, sidebar_room
 from .labels import duration, iface_, number, remark, size
 from .main_panel import Sidebar, drawn
 
@@ -36,10 +36,11 @@ class RADTEX_PT_cost(Sidebar, bpy.types.Panel):
     def draw(self, context: bpy.types.Context | None) -> None:
         layout, _, found = drawn(self, context)
         if found is None or found.cost is None:
-            layout.label(text="Not known for these settings" if found is not None else "Working it out")
+            known = found is not None
+            draw_text(layout, iface_("Not known for these settings" if known else "Working it out"))
             return
         if found.atlases > 1:
-            layout.label(text="For each object, at most:")
+            draw_text(layout, iface_("For each object, at most:"))
         for label, value in figures(found.cost):
             _draw_figure(layout, label, value)
         if found.seconds is not None and found.basis is not None:
@@ -65,11 +66,13 @@ def told_basis(basis: Basis) -> str:
 def _draw_button(layout: Any) -> None:
     """Draw the button that measures, or while it does how far it is and a button to cancel it."""
     if not estimates.asking():
-        layout.operator("radtex.estimate", icon="TIME")
+        text = for_button(iface_("Estimate Time"), iface_("Estimate"))
+        layout.operator("radtex.estimate", text=text, icon="TIME", translate=False)
         return
     row = layout.row(align=True)
     done, total = estimates.progress()
-    text = iface_("Measuring {} of {}").format(done, total)
+    counted = iface_("{} of {}").format(done, total)
+    text = fitting(sidebar_room(buttons=1), iface_("Measuring {} of {}").format(done, total), counted)
     row.progress(factor=(done - 1) / max(total, 1), text=text, translate=False)
     row.operator("radtex.cancel_estimate", text="", icon="X")
 
@@ -86,6 +89,10 @@ def figures(cost: Cost) -> list[tuple[str, str]]:
 
 
 def _draw_figure(layout: Any, label: str, value: str) -> None:
+    """Draw a value beside its name, or both in one text where the sidebar is too narrow for that."""
+    if not fits_beside(label, [value]):
+        draw_text(layout, f"{label}: {value}" if label else value)
+        return
     split = layout.split(factor=0.4)
     name = split.row()
     name.alignment = "RIGHT"

@@ -15,10 +15,23 @@ from ..operators.compare_operator import RADTEX_OT_compare, RADTEX_OT_show_compa
 from ..operators.export_operator import RADTEX_OT_export
 from ..operators.preview_operator import RADTEX_OT_preview_toggle
 from ..operators.switch import draw_layers, draw_shading, draw_switch
-from .draw_messages import draw_text
+from .fitting import draw_text, for_button
 from .labels import iface_
 from .main_panel import Sidebar, drawn
 from .panel_state import Forecast, Next
+
+# Operator and icon, and texts of which the first one is drawn that fits.
+_MENUS = (
+    ("radtex.apply_to_copy", "DUPLICATE", "Apply to a Copy", "To a Copy", "Copy"),
+    ("radtex.make_asset", "ASSET_MANAGER", "Make Asset", "Asset"),
+)
+_BUTTONS = (
+    ("radtex.compare", "IMAGE_REFERENCE", "Compare with Cycles", "Compare"),
+    ("radtex.show_in_browser", "URL", "Show in Browser", "Browser"),
+    ("radtex.export", "EXPORT", "Export…"),
+    ("radtex.open_folder", "FILE_FOLDER", "Open Folder", "Folder"),
+    ("radtex.delete_bake", "TRASH", "Delete Bake…", "Delete…"),
+)
 
 
 class RADTEX_PT_afterwards(Sidebar, bpy.types.Panel):
@@ -37,13 +50,11 @@ class RADTEX_PT_afterwards(Sidebar, bpy.types.Panel):
         whole.enabled = found is not None and bool(found.objects) and not nothing
         draw_switch(whole, item)
         column = whole.column()
-        column.operator_menu_enum("radtex.apply_to_copy", "shader", icon="DUPLICATE")
-        column.operator_menu_enum("radtex.make_asset", "shader", icon="ASSET_MANAGER")
-        column.operator("radtex.compare", icon="IMAGE_REFERENCE")
-        column.operator("radtex.show_in_browser", icon="URL")
-        column.operator("radtex.export", text="Export…", icon="EXPORT")
-        column.operator("radtex.open_folder", icon="FILE_FOLDER")
-        column.operator("radtex.delete_bake", text="Delete Bake…", icon="TRASH")
+        for name, icon, *texts in _MENUS:
+            text = for_button(*map(iface_, texts), buttons=1)
+            column.operator_menu_enum(name, "shader", text=text, icon=icon, translate=False)
+        for name, icon, *texts in _BUTTONS:
+            column.operator(name, text=for_button(*map(iface_, texts)), icon=icon, translate=False)
         draw_layers(whole, item)
         if nothing:
             draw_text(layout, iface_("Nothing of it is baked yet"), "INFO")

@@ -14,7 +14,7 @@ from ...settings.menu_items import KINDS, TARGETS
 from ..jobs import browser, job_files, jobs, pictures
 from ..jobs.job_files import Fate
 from ..operators.switch import draw_show, draw_switch
-from .draw_messages import draw_text
+from .fitting import draw_text, fitting, for_button, side_by_side, sidebar_room
 from .labels import duration, iface_, number, remark, size, stage
 from .main_panel import Sidebar
 
@@ -72,13 +72,19 @@ def _draw_all(column: Any, found: Sequence[Job]) -> None:
     """Draw the bar of bakes that were asked for together, and the buttons that cancel or clear several."""
     together = jobs.together()
     if together is not None:
-        column.progress(factor=together.fraction, text=told_together(together), translate=False)
+        text = fitting(sidebar_room(), told_together(together), told_together_briefly(together))
+        column.progress(factor=together.fraction, text=text, translate=False)
     ended = [job for job in found if job.ended]
-    row = column.row(align=True)
+    buttons = []
     if len(found) > len(ended) + 1:
-        row.operator("radtex.cancel", text="Cancel All", icon="CANCEL")
+        buttons.append(("radtex.cancel", "CANCEL", iface_("Cancel All"), iface_("Cancel")))
     if ended:
-        row.operator("radtex.clear_jobs", text="Clear Finished", icon="TRASH")
+        buttons.append(("radtex.clear_jobs", "TRASH", iface_("Clear Finished"), iface_("Clear")))
+    if not buttons:
+        return
+    row, share = side_by_side(column, [texts[-1] for _, _, *texts in buttons])
+    for name, icon, *texts in buttons:
+        row.operator(name, text=for_button(*texts, share=share), icon=icon, translate=False)
 
 
 def told_together(together: Together) -> str:
@@ -87,6 +93,14 @@ def told_together(together: Together) -> str:
     if together.seconds_left is None:
         return told
     return iface_("{}, {} left").format(told, duration(together.seconds_left))
+
+
+def told_together_briefly(together: Together) -> str:
+    """The same in fewer words, for a bar too narrow for it."""
+    if together.seconds_left is None:
+        return iface_("{} of {}").format(together.done, together.count)
+    left = duration(together.seconds_left)
+    return iface_("{} of {}, {}").format(together.done, together.count, left)
 
 
 def job_title(job: Job) -> str:
@@ -114,6 +128,13 @@ def phrase(job: Job) -> str:
     return iface_("{}, {} left").format(stage(job.stage), duration(job.seconds_left))
 
 
+def phrase_briefly(job: Job) -> str:
+    """The same of a running job in fewer words, for a bar too narrow for it."""
+    if job.cancelling or job.state != "running":
+        return phrase(job)
+    return f"{job.fraction:.0%}" if job.seconds_left is None else duration(job.seconds_left)
+
+
 def _draw_job(column: Any, job: Job) -> None:
     """Draw a job's name and state, its bar while it runs, and unless it is folded all that is known of it."""
     folded, row = jobs.is_folded(job), column.row(align=True)
@@ -122,13 +143,14 @@ def _draw_job(column: Any, job: Job) -> None:
     else:
         arrow = "RIGHTARROW" if folded else "DOWNARROW_HLT"
         row.operator("radtex.fold_job", text="", icon=arrow, emboss=False).number = job.number
-    row.label(text=job_title(job), icon=_ICONS.get(job.state, _RUNNING[job.work]), translate=False)
+    draw_text(row, job_title(job), _ICONS.get(job.state, _RUNNING[job.work]), buttons=2)
     if job.ended:
         row.operator("radtex.clear_jobs", text="", icon="X", emboss=False).number = job.number
     else:
         row.operator("radtex.cancel", text="", icon="X").number = job.number
     if job.state == "running":
-        column.progress(factor=job.fraction, text=phrase(job), translate=False)
+        text = fitting(sidebar_room(), phrase(job), phrase_briefly(job))
+        column.progress(factor=job.fraction, text=text, translate=False)
     if folded:
         return
     if job.ended:
@@ -149,13 +171,16 @@ def _draw_ended(column: Any, job: Job) -> None:
         if job_files.fate(job.number) is Fate.THERE:
             _OFFERS[job.work](column, job)
         return
-    row = column.row(align=True)
+    row, share = side_by_side(column, [phrase(job), iface_("Resume")])
     row.label(text=phrase(job), icon="BLANK1", translate=False)
     if _can_resume(job, jobs.snapshot()):
-        _ask_to_resume(row.operator("radtex.bake", text="Resume", icon="PLAY"), job)
+        text = for_button(iface_("Resume"), share=share)
+        _ask_to_resume(row.operator("radtex.bake", text=text, icon="PLAY", translate=False), job)
     if job.state == "failed":
         draw_text(column, remark(job.message, job.out), "BLANK1")
-        column.operator("radtex.copy_report", icon="COPYDOWN").number = job.number
+        text = for_button(iface_("Copy Report"), iface_("Report"))
+        button = column.operator("radtex.copy_report", text=text, icon="COPYDOWN", translate=False)
+        button.number = job.number
 
 
 def _ask_to_resume(button: Any, job: Job) -> None:
@@ -242,7 +267,8 @@ def _draw_map(column: Any, job: Job, light: int) -> None:
         row = column.row(align=True)
         row.alignment = "LEFT"
         arrow = "DOWNARROW_HLT" if pictures.is_unfolded(job) else "RIGHTARROW"
-        fold = row.operator("radtex.fold_map", text=map_figures(job.map), icon=arrow, emboss=False)
+        text = for_button(map_figures(job.map), iface_("Map"))
+        fold = row.operator("radtex.fold_map", text=text, icon=arrow, emboss=False, translate=False)
         fold.number = job.number
     unfolded = pictures.unfolded_map(job)
     if picture := light if unfolded is None else unfolded.icon_id:
@@ -290,7 +316,9 @@ def _offer_comparison(column: Any, job: Job) -> None:
 
     for line in figures(job.facts):
         draw_text(column, line, "BLANK1")
-    column.operator("radtex.show_comparison", icon="IMAGE_DATA").number = job.number
+    text = for_button(iface_("Show Pictures"), iface_("Pictures"))
+    button = column.operator("radtex.show_comparison", text=text, icon="IMAGE_DATA", translate=False)
+    button.number = job.number
 
 
 def _offer_export(column: Any, job: Job) -> None:
@@ -303,11 +331,13 @@ def _offer_export(column: Any, job: Job) -> None:
     pages = job.files if job.order.about == "web" else ()
     for folder in pages[:_PAGES]:
         text = browser.known_address(folder).removeprefix("http://")
-        text = text or (folder.stem if several else iface_("Show in Browser"))
-        page = column.operator("radtex.show_in_browser", text=text, icon="URL", translate=False)
+        texts = (text or folder.stem,) if text or several else (iface_("Show in Browser"), iface_("Browser"))
+        page = column.operator("radtex.show_in_browser", text=for_button(*texts), icon="URL", translate=False)
         page.directory, page.job = str(folder), job.number
     opened = job.out if several else job.files[0]
-    column.operator("radtex.open_folder", icon="FILE_FOLDER").directory = str(opened)
+    text = for_button(iface_("Open Folder"), iface_("Folder"))
+    button = column.operator("radtex.open_folder", text=text, icon="FILE_FOLDER", translate=False)
+    button.directory = str(opened)
 
 
 _OFFERS = {"bake": _offer_bake, "comparison": _offer_comparison, "export": _offer_export}

@@ -17,9 +17,12 @@ from ..operators.list_operators import (
 )
 from ..settings.chosen_objects import chosen_by
 from ..settings.object_settings import settings_for
+from .fitting import fitting, for_button, shortened, sidebar_room
+from .labels import iface_
 from .main_panel import Sidebar
 
 _ROWS = 4
+_BESIDE_A_NAME = 3  # square buttons: its box to tick, its pin, and those beside the list
 
 
 class RADTEX_UL_listed(bpy.types.UIList):
@@ -37,12 +40,16 @@ class RADTEX_UL_listed(bpy.types.UIList):
     ) -> None:
         row = layout.row(align=True)
         if item.item is None or not item.item.users_collection:
-            row.label(text="Deleted object", icon="ERROR")
+            text = fitting(sidebar_room(icon=True, buttons=2), iface_("Deleted object"), iface_("Deleted"))
+            row.label(text=text, icon="ERROR", translate=False)
             return
         row.prop(item, "use", text="")
-        row.label(text=item.item.name, icon="OUTLINER_OB_MESH", translate=False)
+        settings = settings_for(cast(bpy.types.Scene, context.scene), item.item.name)
+        busy = is_being_baked(item.item.name, settings)
+        room = sidebar_room(icon=True, buttons=_BESIDE_A_NAME + busy)
+        row.label(text=shortened(item.item.name, room), icon="OUTLINER_OB_MESH", translate=False)
         own = item.item.radtex
-        if is_being_baked(item.item.name, settings_for(cast(bpy.types.Scene, context.scene), item.item.name)):
+        if busy:
             row.label(text="", icon="RENDER_STILL")
         row.prop(own, "use", text="", icon="PINNED" if own.use else "UNPINNED", emboss=False)
 
@@ -71,7 +78,9 @@ class RADTEX_PT_list(Sidebar, bpy.types.Panel):
         buttons.operator("radtex.list_move", text="", icon="TRIA_UP").way = "UP"
         buttons.operator("radtex.list_move", text="", icon="TRIA_DOWN").way = "DOWN"
         row = layout.row(align=True)
-        row.operator("radtex.list_add", text="Add Collection", icon="OUTLINER_COLLECTION").what = "COLLECTION"
+        text = for_button(iface_("Add Collection"), iface_("Collection"), iface_("Add"), buttons=1)
+        button = row.operator("radtex.list_add", text=text, icon="OUTLINER_COLLECTION", translate=False)
+        button.what = "COLLECTION"
         row.operator("radtex.list_clear", text="", icon="TRASH")
 
 

@@ -18,11 +18,22 @@ from ..settings.chosen_objects import chosen_by, nothing_chosen, told_names
 from ..settings.object_settings import edited_settings, owner_of
 from ..settings.presets import STOCK, RADTEX_PT_presets, is_applied
 from ..settings.seen_version import news, news_title
-from .draw_messages import draw_remarks, draw_text
+from .draw_messages import draw_remarks
+from .fitting import (
+    draw_setting,
+    draw_text,
+    fit_in_a_row,
+    fitting,
+    for_button,
+    shortened,
+    side_by_side,
+    sidebar_room,
+)
 from .labels import capitalized, duration, iface_, size
 from .panel_state import Forecast, Next, cached_forecast
 
 _PRESETS_IN_A_ROW = 3
+_ICON_IN_HEADER = 56.0  # pixels of the sidebar's room that the title and the icon need
 _ASSETS = 4  # lines on them
 
 
@@ -37,10 +48,11 @@ class Sidebar:
 class RADTEX_PT_bake(Sidebar, bpy.types.Panel):
     """What to bake, how well, and the button"""
 
-    bl_label = "Bake Radiance Texture"
+    bl_label = "Bake"
 
     def draw_header_preset(self, context: bpy.types.Context | None) -> None:
-        RADTEX_PT_presets.draw_panel_header(self.layout)
+        if sidebar_room() > _ICON_IN_HEADER:  # else it would be drawn over the title
+            RADTEX_PT_presets.draw_panel_header(self.layout)
 
     def draw(self, context: bpy.types.Context | None) -> None:
         layout, settings, found = drawn(self, context)
@@ -48,12 +60,12 @@ class RADTEX_PT_bake(Sidebar, bpy.types.Panel):
         _draw_objects(layout, cast(bpy.types.Scene, context.scene), context.active_object, found)
         _draw_presets(layout.column(align=True), settings)
         column = layout.column(align=True)
-        column.prop(settings, settings.atlas_size)  # "texels" or "density"
-        column.prop(settings, "samples")
+        draw_setting(column, settings, settings.atlas_size)  # "texels" or "density"
+        draw_setting(column, settings, "samples")
         _draw_buttons(layout, found)
         if found is None:
             return
-        layout.label(text=time_and_size(found), translate=False)
+        draw_text(layout, time_and_size(found))
         _draw_assets(layout, settings, found)
         for line in what_is_there(found):
             draw_text(layout, line, "INFO")
@@ -67,7 +79,8 @@ def draw_news(layout: Any) -> None:
     """After an update, offer its changes until they are shown or dismissed."""
     if news():
         row = layout.box().row(align=True)
-        row.operator("radtex.show_changes", text=news_title(), icon="INFO", translate=False)
+        text = for_button(news_title(), iface_("What's New"), buttons=1)
+        row.operator("radtex.show_changes", text=text, icon="INFO", translate=False)
         row.operator("radtex.dismiss_changes", text="", icon="X")
 
 
@@ -102,7 +115,7 @@ def _draw_assets(layout: Any, settings: BakeSettings, found: Forecast) -> None:
     box = layout.box()
     for line in told_assets(found):
         draw_text(box, line, "LINKED")
-    box.prop(settings, "together")
+    draw_setting(box, settings, "together")
 
 
 def what_is_there(found: Forecast) -> list[str]:
@@ -140,55 +153,72 @@ def _draw_objects(
 ) -> None:
     """One line: what is baked, how that is chosen, and whether the active object has its own settings."""
     chosen = chosen_by(scene)
+    names = found.objects if found is not None else ()
+    owner = owner_of(active)
+    pinned: Any = owner if owner is not None and owner.name in names else None
     row = layout.row(align=True)
     row.use_property_split = False
-    names = found.objects if found is not None else ()
+    room = sidebar_room(icon=True, buttons=2 if pinned is None else 3)
     if chosen.source == "collection":
         row.prop(chosen, "collection", text="")
     elif names:
         text = names[0] if len(names) == 1 else iface_("{} objects").format(len(names))
-        row.label(text=text, icon="OUTLINER_OB_MESH", translate=False)
+        row.label(text=shortened(text, room), icon="OUTLINER_OB_MESH", translate=False)
     else:
-        row.label(text=capitalized(iface_(nothing_chosen(scene))), icon="INFO", translate=False)
+        text = fitting(room, capitalized(iface_(nothing_chosen(scene))), iface_("Nothing"))
+        row.label(text=text, icon="INFO", translate=False)
     row.prop(chosen, "source", text="", icon_only=True)
-    owner = owner_of(active)
-    if owner is not None and owner.name in names:
-        own: Any = owner.radtex  # type: ignore[attr-defined]  # ours, not Blender's
-        row.prop(own, "use", text="", icon="PINNED" if own.use else "UNPINNED")
+    if pinned is not None:
+        row.prop(pinned.radtex, "use", text="", icon="PINNED" if pinned.radtex.use else "UNPINNED")
 
 
 def _draw_presets(column: Any, settings: BakeSettings) -> None:
     """Draw RadTex's presets, the one that is set pressed."""
-    for start in range(0, len(STOCK), _PRESETS_IN_A_ROW):
+    count = fit_in_a_row([iface_(label) for _, label, _ in STOCK], _PRESETS_IN_A_ROW)
+    for start in range(0, len(STOCK), count):
         row = column.row(align=True)
-        for name, label, _ in STOCK[start : start + _PRESETS_IN_A_ROW]:
+        for name, label, _ in STOCK[start : start + count]:
             pressed = is_applied(name, settings)
             row.operator("radtex.preset_apply", text=label, depress=pressed).name = name
 
 
 def _draw_buttons(layout: Any, found: Forecast | None) -> None:
     """Draw the large button, and what goes beside it: to resume, or to bake what has changed."""
-    row = layout.row(align=True)
-    row.scale_y = LARGE
     doing = found.next if found is not None else Next.NOTHING
+    buttons = _large_buttons(doing, found is not None and found.unfinished > 0)
+    row, share = side_by_side(layout, [texts[-1] for texts, _, _ in buttons])
+    row.scale_y = LARGE
     row.enabled = doing not in (Next.NOTHING, Next.WAIT)
-    if found is not None and doing is Next.RESUME:
-        text = iface_("Resume") if found.unfinished else iface_("Bake the Others")
-        _draw_bake(row, found, text, "PLAY", resume=True)
-    if doing in (Next.RESUME, Next.REPLACE):
-        _draw_bake(row, found, iface_("Bake Again"), "FILE_REFRESH", overwrite=True)
-    else:
-        text = iface_("Being Baked" if doing is Next.WAIT else "Bake Radiance Texture")
-        _draw_bake(row, found, text, "RENDER_STILL")
+    for texts, icon, how in buttons:
+        _draw_bake(row, found, for_button(*texts, share=share), icon, **how)
     row = layout.row(align=True)
-    row.operator("radtex.bake_scene", text=iface_("Bake the Scene…"), icon="SCENE_DATA", translate=False)
+    text = for_button(iface_("Bake the Scene…"), iface_("Bake Scene…"), iface_("Scene…"), buttons=1)
+    row.operator("radtex.bake_scene", text=text, icon="SCENE_DATA", translate=False)
     row.operator("radtex.show_texels", text="", icon="TEXTURE", depress=texels_shown())
     can_choose = doing in (Next.RESUME, Next.REPLACE) and found is not None and not found.unfinished
     if found is not None and can_choose and found.finished > 1:
-        row = layout.row(align=True)
-        for only, text, icon in (("changed", "Bake Changed", "FILE_TICK"), ("affected", "", "WORLD")):
-            button = row.operator("radtex.bake", text=text, icon=icon)
-            button.only, button.show_object = only, True
+        _draw_changed(layout.row(align=True))
+
+
+def _large_buttons(doing: Next, unfinished: bool) -> list[tuple[tuple[str, ...], str, dict[str, bool]]]:
+    """Of each large button its texts, the longest first, its icon, and how it bakes."""
+    if doing is Next.WAIT:
+        return [((iface_("Being Baked"), iface_("Baking")), "RENDER_STILL", {})]
+    if doing not in (Next.RESUME, Next.REPLACE):
+        return [((iface_("Bake Radiance Texture"), iface_("Bake")), "RENDER_STILL", {})]
+    again = (iface_("Bake Again"), iface_("Again")), "FILE_REFRESH", {"overwrite": True}
+    if doing is Next.REPLACE:
+        return [again]
+    texts = (iface_("Resume"),) if unfinished else (iface_("Bake the Others"), iface_("Others"))
+    return [(texts, "PLAY", {"resume": True}), again]
+
+
+def _draw_changed(row: Any) -> None:
+    """Draw the buttons that bake again what has changed, and what is affected by that."""
+    changed = for_button(iface_("Bake Changed"), iface_("Changed"), buttons=1)
+    for only, text, icon in (("changed", changed, "FILE_TICK"), ("affected", "", "WORLD")):
+        button = row.operator("radtex.bake", text=text, icon=icon, translate=False)
+        button.only, button.show_object = only, True
 
 
 def _draw_bake(

@@ -15,7 +15,7 @@ from ...settings.options import OPTIONS, shown_in
 from ..operators.export_dialog import shortened
 from ..settings.bake_settings import BakeSettings
 from ..settings.kept_exports import kept_export, rows_of
-from .draw_messages import draw_text
+from .fitting import draw_search, draw_setting, draw_text, for_button, headed
 from .labels import iface_
 from .main_panel import Sidebar, drawn
 
@@ -51,11 +51,11 @@ class RADTEX_PT_light(_Folded, bpy.types.Panel):
         if found is not None and found.layout:
             draw_text(layout, found.layout, "INFO")
         column = layout.column()
-        column.prop(settings, "variants")
+        draw_setting(column, settings, "variants")
         if settings.variants == "frames":
-            column.prop(settings, "frames")
+            draw_setting(column, settings, "frames")
         if OPTIONS["layers"].applies(Kind(settings.kind).traits, form_of(settings)):
-            layout.column().prop(settings, "layers")
+            draw_setting(layout.column(), settings, "layers")
 
 
 class RADTEX_PT_surface(_Folded, bpy.types.Panel):
@@ -66,16 +66,16 @@ class RADTEX_PT_surface(_Folded, bpy.types.Panel):
     def draw(self, context: bpy.types.Context | None) -> None:
         layout, settings, found = drawn(self, context)
         assert context is not None  # Blender always gives one
-        layout.row().prop(settings, "atlas_size", expand=True)
+        draw_setting(layout.row(), settings, "atlas_size", expand=True)
         _draw_uv(layout.column(), settings, context.active_object)
         _draw_parts(layout.column(), settings, found is not None and len(found.objects) > 1)
         if Kind(settings.kind).traits.source:
             column = layout.column()
-            column.prop_search(settings, "source", context.scene, "objects")
+            draw_search(column, settings, "source", context.scene, "objects")
             if settings.source:
-                column.prop_search(settings, "cage", context.scene, "objects")
+                draw_search(column, settings, "cage", context.scene, "objects")
                 if not settings.cage:
-                    column.prop(settings, "extrusion")
+                    draw_setting(column, settings, "extrusion")
         _draw_others(layout, settings, Fold.SURFACE)
 
 
@@ -96,25 +96,26 @@ class RADTEX_PT_output(_Folded, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context | None) -> None:
         layout, settings, _ = drawn(self, context)
-        layout.prop(settings, "directory", text="Folder")
+        draw_setting(layout, settings, "directory", text=iface_("Folder"))
         form, kind = form_of(settings), Kind(settings.kind).traits
         if form.accumulates and kind.accumulates:
-            column = layout.column(heading="Earlier Bake")
-            column.prop(settings, "accumulate")
+            column = headed(layout, iface_("Earlier Bake"), settings, ("accumulate", "refresh"))
+            draw_setting(column, settings, "accumulate")
             if form.refreshes:
-                column.prop(settings, "refresh")
+                draw_setting(column, settings, "refresh")
             if form.accumulates_parts and (settings.accumulate or settings.refresh):
-                column.prop(settings, "where")
-        column = layout.column(heading="Files")
-        column.prop(settings, "preview")
+                draw_setting(column, settings, "where")
+        column = headed(layout, iface_("Files"), settings, ("preview", "full_floats"))
+        draw_setting(column, settings, "preview")
         if kind.full_floats:
-            column.prop(settings, "full_floats")
-        layout.prop(settings, "compression")
-        layout.column().prop(settings, "export_targets")
+            draw_setting(column, settings, "full_floats")
+        draw_setting(layout, settings, "compression")
+        draw_setting(layout.column(), settings, "export_targets")
         if context is not None and context.scene is not None:
             _draw_kept_exports(layout.column(align=True), context.scene)
         _draw_others(layout, settings, Fold.OUTPUT)
-        layout.operator("radtex.open_folder", icon="FILE_FOLDER")
+        text = for_button(iface_("Open Folder"), iface_("Folder"))
+        layout.operator("radtex.open_folder", text=text, icon="FILE_FOLDER", translate=False)
 
 
 def _draw_kept_exports(column: Any, scene: bpy.types.Scene) -> None:
@@ -150,35 +151,35 @@ def _draw_others(layout: Any, settings: BakeSettings, fold: Fold) -> None:
         if name in _BY_HAND or not option.applies(kind, form):
             continue
         if name != "content_collection":
-            layout.prop(settings, name)
+            draw_setting(layout, settings, name)
         elif settings.content == "collection":
-            layout.prop_search(settings, name, bpy.data, "collections")
+            draw_search(layout, settings, name, bpy.data, "collections")
 
 
 def _draw_parts(column: Any, settings: BakeSettings, several: bool) -> None:
     """Draw how surfaces are assigned to atlases; a shared one needs `several` objects."""
     if several and Kind(settings.kind).traits.shared_atlas:
-        column.prop(settings, "together")
+        draw_setting(column, settings, "together")
         if settings.together == "one":
-            column.prop(settings, "atlas_name")
-    column.prop(settings, "split")
+            draw_setting(column, settings, "atlas_name")
+    draw_setting(column, settings, "split")
     if settings.split == "material":
-        column.prop_search(settings, "part", bpy.data, "materials")
+        draw_search(column, settings, "part", bpy.data, "materials")
     elif settings.split != "none":
-        column.prop(settings, "part")
+        draw_setting(column, settings, "part")
 
 
 def _draw_uv(column: Any, settings: BakeSettings, item: bpy.types.Object | None) -> None:
     if item is not None and item.type == "MESH":
-        column.prop_search(settings, "uv_layer", item.data, "uv_layers", icon="GROUP_UVS")
+        draw_search(column, settings, "uv_layer", item.data, "uv_layers", icon="GROUP_UVS")
     else:
-        column.prop(settings, "uv_layer", icon="GROUP_UVS")
+        draw_setting(column, settings, "uv_layer", icon="GROUP_UVS")
     if not settings.uv_layer:
-        column.prop(settings, "unwrap")
+        draw_setting(column, settings, "unwrap")
         if item is not None and item.type == "MESH":
-            column.prop_search(settings, "texel_weights", item, "vertex_groups")
+            draw_search(column, settings, "texel_weights", item, "vertex_groups")
         else:
-            column.prop(settings, "texel_weights")
+            draw_setting(column, settings, "texel_weights")
         if OPTIONS["backs"].applies(Kind(settings.kind).traits, form_of(settings)):
-            column.prop(settings, "backs")
-        column.prop(settings, "padding")
+            draw_setting(column, settings, "backs")
+        draw_setting(column, settings, "padding")
