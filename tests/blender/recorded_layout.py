@@ -83,6 +83,11 @@ class RecordedLayout:
         self.buttons.append((name, arguments))
         return arguments
 
+    def template_list(self, cls: str, _id: str, data: Any, name: str, *_active: Any, **options: Any) -> None:
+        _check("template_list", options)
+        assert hasattr(bpy.types, cls), cls
+        assert name in data.bl_rna.properties, name
+
     def separator(self, **options: Any) -> None:
         _check("separator", options)
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeGuard
 
 import bpy
 
-from ..panel.fitting import draw_text, for_button, side_by_side
+from ..panel.fitting import draw_button, draw_text, side_by_side
 from ..panel.labels import iface_
 
 if TYPE_CHECKING:
@@ -31,9 +31,7 @@ def draw_switch(layout: Any, item: bpy.types.Object | None, files: Sequence[Path
     row = layout.row()
     row.scale_y = LARGE
     icon = "HIDE_OFF" if pressed else "HIDE_ON"
-    switch = row.operator(
-        "radtex.preview_toggle", text=_preview(), icon=icon, depress=pressed, translate=False
-    )
+    switch = draw_button(row, "radtex.preview_toggle", icon, *_preview(), depress=pressed)
     switch.action = "ON" if switched and not pressed else "TOGGLE"
     return switch
 
@@ -50,7 +48,7 @@ def draw_layers(layout: Any, item: bpy.types.Object | None) -> None:
 
 def draw_show(layout: Any) -> Any:
     """Draw a button that shows one of several bakes of an object; returns its operator's properties."""
-    switch = layout.operator("radtex.preview_toggle", text=_preview(), icon="HIDE_OFF", translate=False)
+    switch = draw_button(layout, "radtex.preview_toggle", "HIDE_OFF", *_preview())
     switch.action = "ON"
     return switch
 
@@ -72,6 +70,6 @@ def draw_shading(layout: Any, space: bpy.types.Space | None) -> None:
         row.prop_enum(space.shading, "type", shading, text=name, translate=False)
 
 
-def _preview() -> str:
-    """The preview button's text."""
-    return for_button(iface_("Preview Bake"), iface_("Preview"))
+def _preview() -> tuple[str, str]:
+    """The preview button's text, and a shorter one."""
+    return iface_("Preview Bake"), iface_("Preview")

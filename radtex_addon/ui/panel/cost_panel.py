@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import bpy
 
 from ..jobs import estimates
-from .fitting import draw_text, fits_beside, fitting, for_button, sidebar_room
+from .fitting import draw_button, draw_text, fits_beside, fitting, sidebar_room
 from .labels import duration, iface_, number, remark, size
 from .main_panel import Sidebar, drawn
 
@@ -41,11 +41,14 @@ class RADTEX_PT_cost(Sidebar, bpy.types.Panel):
             return
         if found.atlases > 1:
             draw_text(layout, iface_("For each object, at most:"))
-        for label, value in figures(found.cost):
-            _draw_figure(layout, label, value)
+        shown = figures(found.cost)
+        if found.seconds is not None:
+            shown.append((iface_("Time, all"), told_time(found.seconds)))
+        beside = all(fits_beside(label, [value]) for label, value in shown)
+        for label, value in shown:
+            _draw_figure(layout, label, value, beside)
         if found.seconds is not None and found.basis is not None:
-            _draw_figure(layout, iface_("Time, all"), told_time(found.seconds))
-            _draw_figure(layout, "", told_basis(found.basis))
+            draw_text(layout, told_basis(found.basis))
         _draw_button(layout)
         if failed := estimates.message():
             draw_text(layout, remark(failed), "ERROR")
@@ -66,8 +69,7 @@ def told_basis(basis: Basis) -> str:
 def _draw_button(layout: Any) -> None:
     """Draw the button that measures, or while it does how far it is and a button to cancel it."""
     if not estimates.asking():
-        text = for_button(iface_("Estimate Time"), iface_("Estimate"))
-        layout.operator("radtex.estimate", text=text, icon="TIME", translate=False)
+        draw_button(layout, "radtex.estimate", "TIME", iface_("Estimate Time"), iface_("Estimate"))
         return
     row = layout.row(align=True)
     done, total = estimates.progress()
@@ -88,10 +90,10 @@ def figures(cost: Cost) -> list[tuple[str, str]]:
     ]
 
 
-def _draw_figure(layout: Any, label: str, value: str) -> None:
-    """Draw a value beside its name, or both in one text where the sidebar is too narrow for that."""
-    if not fits_beside(label, [value]):
-        draw_text(layout, f"{label}: {value}" if label else value)
+def _draw_figure(layout: Any, label: str, value: str, beside: bool) -> None:
+    """Draw a value beside its name, or both in one text."""
+    if not beside:
+        draw_text(layout, f"{label}: {value}")
         return
     split = layout.split(factor=0.4)
     name = split.row()

@@ -12,7 +12,7 @@ from ...core.messages import Message
 from ..settings.bake_settings import BakeSettings
 from ..settings.object_settings import by_settings, settings_for
 from ..settings.preferences import addon_preferences
-from .fitting import draw_setting, draw_text, for_button
+from .fitting import draw_button, draw_setting, draw_text
 from .labels import iface_, remark
 from .not_baked import CONVERT
 from .panel_state import Forecast
@@ -43,13 +43,12 @@ def draw_remarks(layout: Any, scene: bpy.types.Scene, settings: BakeSettings, fo
         box = layout.box()
         draw_text(box, other.text, "INFO")
         if other.operator:
-            button = box.operator(other.operator, text=for_button(other.button, icon=False), translate=False)
+            button = draw_button(box, other.operator, "NONE", other.button)
             if other.operator == CONVERT:
                 button.target = "MESH"
     if found.needs_folder:
         column = layout.column()
-        text = for_button(iface_("Save File…"), iface_("Save…"))
-        column.operator("wm.save_as_mainfile", text=text, icon="FILE_TICK", translate=False)
+        draw_button(column, "wm.save_as_mainfile", "FILE_TICK", iface_("Save File…"), iface_("Save…"))
         draw_setting(column, settings, "directory", text=iface_("Folder"))
     for message in found.warnings:
         box = layout.box()
@@ -67,8 +66,7 @@ def _draw_offers(box: Any, scene: bpy.types.Scene, message: Message, found: Fore
             if preferences is not None:
                 draw_setting(box, preferences, offer.name)
         elif offer.text:
-            text = for_button(offer.text, icon=False)
-            button = box.operator("radtex.apply_remedy", text=text, translate=False)
+            button = draw_button(box, "radtex.apply_remedy", "NONE", offer.text)
             button.object, button.name, button.value = found.objects[0], offer.name, offer.value
         elif not (offer.name == "directory" and found.needs_folder):  # which is drawn below
             draw_setting(box, settings, offer.name)

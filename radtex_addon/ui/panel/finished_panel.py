@@ -15,7 +15,7 @@ from ..operators.compare_operator import RADTEX_OT_compare, RADTEX_OT_show_compa
 from ..operators.export_operator import RADTEX_OT_export
 from ..operators.preview_operator import RADTEX_OT_preview_toggle
 from ..operators.switch import draw_layers, draw_shading, draw_switch
-from .fitting import draw_text, for_button
+from .fitting import draw_button, draw_text
 from .labels import iface_
 from .main_panel import Sidebar, drawn
 from .panel_state import Forecast, Next
@@ -51,10 +51,9 @@ class RADTEX_PT_afterwards(Sidebar, bpy.types.Panel):
         draw_switch(whole, item)
         column = whole.column()
         for name, icon, *texts in _MENUS:
-            text = for_button(*map(iface_, texts), buttons=1)
-            column.operator_menu_enum(name, "shader", text=text, icon=icon, translate=False)
+            draw_button(column, name, icon, *map(iface_, texts), menu="shader")
         for name, icon, *texts in _BUTTONS:
-            column.operator(name, text=for_button(*map(iface_, texts)), icon=icon, translate=False)
+            draw_button(column, name, icon, *map(iface_, texts))
         draw_layers(whole, item)
         if nothing:
             draw_text(layout, iface_("Nothing of it is baked yet"), "INFO")

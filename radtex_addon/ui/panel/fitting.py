@@ -25,6 +25,7 @@ _WITHOUT_REGION = 300.0  # the sidebar's width where there is none, as in tests
 _LABELS_SHARE = 0.4  # of a setting's row, as Blender splits it
 _PADDING = 8.0  # around a text in a field, a button or a setting's label
 _ARROW = 18.0  # of a menu
+_MENU = 6.0  # of that what a button's own margin does not hold
 _NUMBER = 40.0  # a field for a number needs as much
 _SEPARATORS = "/\\_-.,:"  # after which a long word is broken
 
@@ -73,17 +74,37 @@ def shortened(text: str, room: float) -> str:
 
 
 def fitting(room: float, *texts: str) -> str:
-    """The first of the texts that fits, else the last one, shortened."""
-    return next((text for text in texts if text_width(text) <= room), shortened(texts[-1], room))
+    """The first of the texts that fits, else the beginning of the last one."""
+    for text in texts:
+        if text_width(text) <= room:
+            return text
+    last = texts[-1].removesuffix("…")
+    most = next((n for n in range(len(last), 1, -1) if text_width(f"{last[:n]}…") <= room), 1)
+    return f"{last[:most].rstrip()}…"
 
 
-def for_button(*texts: str, icon: bool = True, buttons: int = 0, share: float = 1.0) -> str:
-    """The first text that fits into a button as wide as the sidebar, or a `share` of its row: see `fitting`.
+def draw_button(
+    layout: Any,
+    operator: str,
+    icon: str,
+    *texts: str,
+    buttons: int = 0,
+    share: float = 1.0,
+    menu: str = "",
+    **options: Any,
+) -> Any:
+    """Draw a button with the first of the texts that fits; returns its operator's properties.
 
-    `icon` is whether it has one, `buttons` is how many square ones stand beside it.
+    It has a `share` of the sidebar's width, less some square `buttons` beside it; in a very narrow one it has
+    no icon. With `menu`, a property of the operator, it opens the menu of that. `options` are Blender's.
     """
-    room = sidebar_room(buttons=buttons) * share - (ICON if icon else 0)
-    return fitting(max(room, _LEAST), *texts)
+    room = sidebar_room(buttons=buttons) * share - (_MENU if menu else 0)
+    if room - ICON < _LEAST:
+        icon = "NONE"
+    text = fitting(max(room - (0 if icon == "NONE" else ICON), _LEAST), *texts)
+    if menu:
+        return layout.operator_menu_enum(operator, menu, text=text, icon=icon, translate=False, **options)
+    return layout.operator(operator, text=text, icon=icon, translate=False, **options)
 
 
 def fit_in_a_row(texts: Sequence[str], most: int, *, icon: bool = False) -> int:
@@ -108,8 +129,21 @@ def draw_wrapped(layout: Any, text: str, icon: str, room: float) -> None:
 
 
 def draw_text(layout: Any, text: str, icon: str = "NONE", *, buttons: int = 0) -> None:
-    """Draw a message on as many lines as the sidebar needs for it, beside some square buttons if any."""
+    """Draw a message on as many lines as the sidebar needs for it, beside some square buttons if any.
+
+    In a very narrow one it has no icon.
+    """
+    if icon != "NONE" and sidebar_room(icon=True, buttons=buttons) <= _LEAST:
+        icon = "NONE"
     draw_wrapped(layout, text, icon, sidebar_room(icon=icon != "NONE", buttons=buttons))
+
+
+def draw_title(layout: Any, text: str, icon: str, *, buttons: int = 0) -> bool:
+    """Draw a title on two lines at most, beside some square buttons; returns whether all of it is there."""
+    room = sidebar_room(icon=True, buttons=buttons)
+    whole = len(wrapped(text, room)) <= 2
+    draw_text(layout, text if whole else shortened(text, room), icon, buttons=buttons)
+    return whole
 
 
 def draw_setting(layout: Any, data: Any, name: str, **options: Any) -> None:
@@ -121,7 +155,7 @@ def draw_setting(layout: Any, data: Any, name: str, **options: Any) -> None:
     if place is layout:
         layout.prop(data, name, **options)
     else:
-        place.prop(data, name, **options | _nameless(data, name))
+        place.prop(data, name, **options | _nameless(data, name, expand="expand" in options))
 
 
 def draw_search(layout: Any, data: Any, name: str, owner: Any, found: str, **options: Any) -> None:
@@ -179,9 +213,14 @@ def _place(layout: Any, data: Any, name: str, options: dict[str, Any]) -> Any:
     return column.row(align=True) if options.get("expand") else column
 
 
-def _nameless(data: Any, name: str) -> dict[str, str]:
-    """The options that leave out a setting's name, which stands above it; a switch has its name beside it."""
-    return {} if data.bl_rna.properties[name].type == "BOOLEAN" else {"text": ""}
+def _nameless(data: Any, name: str, *, expand: bool) -> dict[str, str]:
+    """The options that leave out a setting's name, which stands above it.
+
+    A switch has its name beside it. Without a name Blender draws a row of choices without theirs, too.
+    """
+    known = data.bl_rna.properties[name]
+    named = known.type == "BOOLEAN" or (known.type == "ENUM" and (expand or known.is_enum_flag))
+    return {} if named else {"text": ""}
 
 
 def _broken(word: str, room: float) -> list[str]:

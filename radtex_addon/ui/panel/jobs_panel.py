@@ -14,7 +14,7 @@ from ...settings.menu_items import KINDS, TARGETS
 from ..jobs import browser, job_files, jobs, pictures
 from ..jobs.job_files import Fate
 from ..operators.switch import draw_show, draw_switch
-from .fitting import draw_text, fitting, for_button, side_by_side, sidebar_room
+from .fitting import draw_button, draw_text, draw_title, fitting, side_by_side, sidebar_room
 from .labels import duration, iface_, number, remark, size, stage
 from .main_panel import Sidebar
 
@@ -84,7 +84,7 @@ def _draw_all(column: Any, found: Sequence[Job]) -> None:
         return
     row, share = side_by_side(column, [texts[-1] for _, _, *texts in buttons])
     for name, icon, *texts in buttons:
-        row.operator(name, text=for_button(*texts, share=share), icon=icon, translate=False)
+        draw_button(row, name, icon, *texts, share=share)
 
 
 def told_together(together: Together) -> str:
@@ -143,7 +143,7 @@ def _draw_job(column: Any, job: Job) -> None:
     else:
         arrow = "RIGHTARROW" if folded else "DOWNARROW_HLT"
         row.operator("radtex.fold_job", text="", icon=arrow, emboss=False).number = job.number
-    draw_text(row, job_title(job), _ICONS.get(job.state, _RUNNING[job.work]), buttons=2)
+    whole = draw_title(row, job_title(job), _ICONS.get(job.state, _RUNNING[job.work]), buttons=2)
     if job.ended:
         row.operator("radtex.clear_jobs", text="", icon="X", emboss=False).number = job.number
     else:
@@ -153,6 +153,8 @@ def _draw_job(column: Any, job: Job) -> None:
         column.progress(factor=job.fraction, text=text, translate=False)
     if folded:
         return
+    if not whole:
+        draw_text(column, job_title(job))
     if job.ended:
         _draw_ended(column, job)
     elif job.state == "running":
@@ -174,13 +176,11 @@ def _draw_ended(column: Any, job: Job) -> None:
     row, share = side_by_side(column, [phrase(job), iface_("Resume")])
     row.label(text=phrase(job), icon="BLANK1", translate=False)
     if _can_resume(job, jobs.snapshot()):
-        text = for_button(iface_("Resume"), share=share)
-        _ask_to_resume(row.operator("radtex.bake", text=text, icon="PLAY", translate=False), job)
+        _ask_to_resume(draw_button(row, "radtex.bake", "PLAY", iface_("Resume"), share=share), job)
     if job.state == "failed":
         draw_text(column, remark(job.message, job.out), "BLANK1")
-        text = for_button(iface_("Copy Report"), iface_("Report"))
-        button = column.operator("radtex.copy_report", text=text, icon="COPYDOWN", translate=False)
-        button.number = job.number
+        texts = (iface_("Copy Report"), iface_("Report"))
+        draw_button(column, "radtex.copy_report", "COPYDOWN", *texts).number = job.number
 
 
 def _ask_to_resume(button: Any, job: Job) -> None:
@@ -267,8 +267,8 @@ def _draw_map(column: Any, job: Job, light: int) -> None:
         row = column.row(align=True)
         row.alignment = "LEFT"
         arrow = "DOWNARROW_HLT" if pictures.is_unfolded(job) else "RIGHTARROW"
-        text = for_button(map_figures(job.map), iface_("Map"))
-        fold = row.operator("radtex.fold_map", text=text, icon=arrow, emboss=False, translate=False)
+        texts = (map_figures(job.map), iface_("Map"))
+        fold = draw_button(row, "radtex.fold_map", arrow, *texts, emboss=False)
         fold.number = job.number
     unfolded = pictures.unfolded_map(job)
     if picture := light if unfolded is None else unfolded.icon_id:
@@ -316,9 +316,8 @@ def _offer_comparison(column: Any, job: Job) -> None:
 
     for line in figures(job.facts):
         draw_text(column, line, "BLANK1")
-    text = for_button(iface_("Show Pictures"), iface_("Pictures"))
-    button = column.operator("radtex.show_comparison", text=text, icon="IMAGE_DATA", translate=False)
-    button.number = job.number
+    texts = (iface_("Show Pictures"), iface_("Pictures"))
+    draw_button(column, "radtex.show_comparison", "IMAGE_DATA", *texts).number = job.number
 
 
 def _offer_export(column: Any, job: Job) -> None:
@@ -332,12 +331,11 @@ def _offer_export(column: Any, job: Job) -> None:
     for folder in pages[:_PAGES]:
         text = browser.known_address(folder).removeprefix("http://")
         texts = (text or folder.stem,) if text or several else (iface_("Show in Browser"), iface_("Browser"))
-        page = column.operator("radtex.show_in_browser", text=for_button(*texts), icon="URL", translate=False)
+        page = draw_button(column, "radtex.show_in_browser", "URL", *texts)
         page.directory, page.job = str(folder), job.number
     opened = job.out if several else job.files[0]
-    text = for_button(iface_("Open Folder"), iface_("Folder"))
-    button = column.operator("radtex.open_folder", text=text, icon="FILE_FOLDER", translate=False)
-    button.directory = str(opened)
+    texts = (iface_("Open Folder"), iface_("Folder"))
+    draw_button(column, "radtex.open_folder", "FILE_FOLDER", *texts).directory = str(opened)
 
 
 _OFFERS = {"bake": _offer_bake, "comparison": _offer_comparison, "export": _offer_export}

@@ -17,11 +17,12 @@ from ..operators.list_operators import (
 )
 from ..settings.chosen_objects import chosen_by
 from ..settings.object_settings import settings_for
-from .fitting import fitting, for_button, shortened, sidebar_room
+from .fitting import ICON, draw_button, fitting, shortened, sidebar_room
 from .labels import iface_
 from .main_panel import Sidebar
 
 _ROWS = 4
+_NAME = 40.0  # pixels that a name needs, or else it has no icon
 _BESIDE_A_NAME = 3  # square buttons: its box to tick, its pin, and those beside the list
 
 
@@ -46,8 +47,11 @@ class RADTEX_UL_listed(bpy.types.UIList):
         row.prop(item, "use", text="")
         settings = settings_for(cast(bpy.types.Scene, context.scene), item.item.name)
         busy = is_being_baked(item.item.name, settings)
-        room = sidebar_room(icon=True, buttons=_BESIDE_A_NAME + busy)
-        row.label(text=shortened(item.item.name, room), icon="OUTLINER_OB_MESH", translate=False)
+        room = sidebar_room(buttons=_BESIDE_A_NAME + busy)
+        has_room = room - ICON > _NAME
+        icon_beside = "OUTLINER_OB_MESH" if has_room else "NONE"
+        text = shortened(item.item.name, room - ICON if has_room else room)
+        row.label(text=text, icon=icon_beside, translate=False)
         own = item.item.radtex
         if busy:
             row.label(text="", icon="RENDER_STILL")
@@ -78,8 +82,8 @@ class RADTEX_PT_list(Sidebar, bpy.types.Panel):
         buttons.operator("radtex.list_move", text="", icon="TRIA_UP").way = "UP"
         buttons.operator("radtex.list_move", text="", icon="TRIA_DOWN").way = "DOWN"
         row = layout.row(align=True)
-        text = for_button(iface_("Add Collection"), iface_("Collection"), iface_("Add"), buttons=1)
-        button = row.operator("radtex.list_add", text=text, icon="OUTLINER_COLLECTION", translate=False)
+        texts = (iface_("Add Collection"), iface_("Collection"), iface_("Add"))
+        button = draw_button(row, "radtex.list_add", "OUTLINER_COLLECTION", *texts, buttons=1)
         button.what = "COLLECTION"
         row.operator("radtex.list_clear", text="", icon="TRASH")
 

@@ -20,11 +20,11 @@ from ..settings.presets import STOCK, RADTEX_PT_presets, is_applied
 from ..settings.seen_version import news, news_title
 from .draw_messages import draw_remarks
 from .fitting import (
+    draw_button,
     draw_setting,
     draw_text,
     fit_in_a_row,
     fitting,
-    for_button,
     shortened,
     side_by_side,
     sidebar_room,
@@ -34,6 +34,7 @@ from .panel_state import Forecast, Next, cached_forecast
 
 _PRESETS_IN_A_ROW = 3
 _ICON_IN_HEADER = 56.0  # pixels of the sidebar's room that the title and the icon need
+_NAME = 60.0  # pixels that an object's name needs, or else it is on a line of its own
 _ASSETS = 4  # lines on them
 
 
@@ -79,8 +80,7 @@ def draw_news(layout: Any) -> None:
     """After an update, offer its changes until they are shown or dismissed."""
     if news():
         row = layout.box().row(align=True)
-        text = for_button(news_title(), iface_("What's New"), buttons=1)
-        row.operator("radtex.show_changes", text=text, icon="INFO", translate=False)
+        draw_button(row, "radtex.show_changes", "INFO", news_title(), iface_("What's New"), buttons=1)
         row.operator("radtex.dismiss_changes", text="", icon="X")
 
 
@@ -156,17 +156,20 @@ def _draw_objects(
     names = found.objects if found is not None else ()
     owner = owner_of(active)
     pinned: Any = owner if owner is not None and owner.name in names else None
-    row = layout.row(align=True)
-    row.use_property_split = False
     room = sidebar_room(icon=True, buttons=2 if pinned is None else 3)
+    named = row = layout.row(align=True)
+    row.use_property_split = False
+    if room < _NAME and chosen.source != "collection":  # the name has a line of its own
+        room, row = sidebar_room(icon=True), layout.row(align=True)
+        row.use_property_split = False
     if chosen.source == "collection":
         row.prop(chosen, "collection", text="")
     elif names:
         text = names[0] if len(names) == 1 else iface_("{} objects").format(len(names))
-        row.label(text=shortened(text, room), icon="OUTLINER_OB_MESH", translate=False)
+        named.label(text=shortened(text, room), icon="OUTLINER_OB_MESH", translate=False)
     else:
         text = fitting(room, capitalized(iface_(nothing_chosen(scene))), iface_("Nothing"))
-        row.label(text=text, icon="INFO", translate=False)
+        named.label(text=text, icon="INFO", translate=False)
     row.prop(chosen, "source", text="", icon_only=True)
     if pinned is not None:
         row.prop(pinned.radtex, "use", text="", icon="PINNED" if pinned.radtex.use else "UNPINNED")
@@ -190,10 +193,10 @@ def _draw_buttons(layout: Any, found: Forecast | None) -> None:
     row.scale_y = LARGE
     row.enabled = doing not in (Next.NOTHING, Next.WAIT)
     for texts, icon, how in buttons:
-        _draw_bake(row, found, for_button(*texts, share=share), icon, **how)
+        _draw_bake(row, found, icon, *texts, share=share, **how)
     row = layout.row(align=True)
-    text = for_button(iface_("Bake the Scene…"), iface_("Bake Scene…"), iface_("Scene…"), buttons=1)
-    row.operator("radtex.bake_scene", text=text, icon="SCENE_DATA", translate=False)
+    texts = (iface_("Bake the Scene…"), iface_("Bake Scene…"), iface_("Scene…"))
+    draw_button(row, "radtex.bake_scene", "SCENE_DATA", *texts, buttons=1)
     row.operator("radtex.show_texels", text="", icon="TEXTURE", depress=texels_shown())
     can_choose = doing in (Next.RESUME, Next.REPLACE) and found is not None and not found.unfinished
     if found is not None and can_choose and found.finished > 1:
@@ -215,17 +218,24 @@ def _large_buttons(doing: Next, unfinished: bool) -> list[tuple[tuple[str, ...],
 
 def _draw_changed(row: Any) -> None:
     """Draw the buttons that bake again what has changed, and what is affected by that."""
-    changed = for_button(iface_("Bake Changed"), iface_("Changed"), buttons=1)
-    for only, text, icon in (("changed", changed, "FILE_TICK"), ("affected", "", "WORLD")):
-        button = row.operator("radtex.bake", text=text, icon=icon, translate=False)
+    texts = (iface_("Bake Changed"), iface_("Changed"))
+    changed = draw_button(row, "radtex.bake", "FILE_TICK", *texts, buttons=1)
+    affected = row.operator("radtex.bake", text="", icon="WORLD")
+    for button, only in ((changed, "changed"), (affected, "affected")):
         button.only, button.show_object = only, True
 
 
 def _draw_bake(
-    row: Any, found: Forecast | None, text: str, icon: str, *, resume: bool = False, overwrite: bool = False
+    row: Any,
+    found: Forecast | None,
+    icon: str,
+    *texts: str,
+    share: float,
+    resume: bool = False,
+    overwrite: bool = False,
 ) -> None:
     """Draw a button that bakes what was found, and is refused if other objects are chosen by now."""
-    button = row.operator("radtex.bake", text=text, icon=icon, translate=False)
+    button = draw_button(row, "radtex.bake", icon, *texts, share=share)
     button.resume, button.overwrite, button.show_object = resume, overwrite, True
     button.expected = "" if found is None else told_names(found.chosen)
 

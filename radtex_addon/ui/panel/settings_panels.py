@@ -15,7 +15,7 @@ from ...settings.options import OPTIONS, shown_in
 from ..operators.export_dialog import shortened
 from ..settings.bake_settings import BakeSettings
 from ..settings.kept_exports import kept_export, rows_of
-from .fitting import draw_search, draw_setting, draw_text, for_button, headed
+from .fitting import draw_button, draw_search, draw_setting, draw_text, headed
 from .labels import iface_
 from .main_panel import Sidebar, drawn
 
@@ -114,8 +114,7 @@ class RADTEX_PT_output(_Folded, bpy.types.Panel):
         if context is not None and context.scene is not None:
             _draw_kept_exports(layout.column(align=True), context.scene)
         _draw_others(layout, settings, Fold.OUTPUT)
-        text = for_button(iface_("Open Folder"), iface_("Folder"))
-        layout.operator("radtex.open_folder", text=text, icon="FILE_FOLDER", translate=False)
+        draw_button(layout, "radtex.open_folder", "FILE_FOLDER", iface_("Open Folder"), iface_("Folder"))
 
 
 def _draw_kept_exports(column: Any, scene: bpy.types.Scene) -> None:
