@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import lru_cache
+from importlib import import_module
 from typing import Any, cast
 
 import bpy
@@ -69,6 +70,18 @@ def _why_not(wish: str) -> Message | None:
 def preferred_device() -> str:
     """The device that `auto` means here, for another Blender process that does not have these preferences."""
     return _choose(_cycles_preferences(), "AUTO").lower()
+
+
+def known_devices() -> list[tuple[str, str]]:
+    """Type and name of each device that Cycles finds here, whether it is switched on or not.
+
+    Changes nothing. Raises InputError where Cycles's add-on is switched off.
+    """
+    known = {item[0] for item in _cycles_preferences().get_device_types(bpy.context)}
+    cycles: Any = import_module("_cycles")  # Blender's own, which is not there where Cycles is not built in
+    kinds = ("CPU", *(kind for kind in GPU_TYPES if kind in known))
+    found = [(kind, str(name)) for wish in kinds for name, kind, *_ in cycles.available_devices(wish)]
+    return list(dict.fromkeys(found))
 
 
 def _cycles_preferences() -> Any:

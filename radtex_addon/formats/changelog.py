@@ -3,7 +3,8 @@
 """Read CHANGELOG.md, which is kept as https://keepachangelog.com/en/1.1.0/ says.
 
 A release is a heading `## [1.2.3] - 2026-11-25`, its groups are headings `### Added`, and entries are list
-items whose further lines are indented.
+items whose further lines are indented. A release may begin with a group of our own,
+`### Highlights`: up to five short lines for artists, which the panel shows.
 """
 
 from __future__ import annotations
@@ -16,11 +17,13 @@ from ..core.errors import FormatError
 
 CHANGELOG = Path(__file__).parents[2] / "CHANGELOG.md"  # ships in the zip
 UNRELEASED = "Unreleased"
-GROUPS = ("Added", "Changed", "Deprecated", "Removed", "Fixed", "Security")
+HIGHLIGHTS = "Highlights"
+GROUPS = (HIGHLIGHTS, "Added", "Changed", "Deprecated", "Removed", "Fixed", "Security")
 
 _RELEASE = re.compile(r"## \[(?P<version>\d+\.\d+\.\d+|Unreleased)\](?: - (?P<date>\d{4}-\d\d-\d\d))?")
 _LINK = re.compile(r"\[([^\]]*)\]\([^)]*\)")
 _ASIDE = re.compile(rf" \({_LINK.pattern}(?:, {_LINK.pattern})*\)")  # links in brackets of their own
+_SENTENCE = re.compile(r".*?(?:[.:](?= )|$)", re.DOTALL)
 _MARKS = re.compile(r"\*|`")
 
 
@@ -61,6 +64,22 @@ def changes_since(releases: list[Release], seen: str, now: str) -> list[Release]
         for release in releases
         if release.version != UNRELEASED and as_numbers(seen) < as_numbers(release.version) <= as_numbers(now)
     ]
+
+
+def highlights(releases: list[Release], most: int) -> list[str]:
+    """What an artist should know of these releases, the latest first: at most so many short lines, plain.
+
+    Of a release without Highlights these are the first sentences of what was added and changed.
+    """
+    found: list[str] = []
+    for release in releases:
+        lines = release.groups.get(HIGHLIGHTS) or [
+            _SENTENCE.match(plain(entry))[0]  # type: ignore[index]  # it matches every text
+            for entries in release.groups.values()
+            for entry in entries
+        ]
+        found += map(plain, lines)
+    return found[:most]
 
 
 def as_numbers(version: str) -> tuple[int, ...]:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is new is offered after an update, once, and never on a first install."""
+"""What is new is offered after an update, once, and never on a first install; preferences and help."""
 
 from __future__ import annotations
 
@@ -9,11 +9,16 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
 
+import bpy
 import pytest
 
+from radtex_addon.formats.changelog import CHANGELOG, UNRELEASED, highlights, parse_changelog
+from radtex_addon.formats.disk.memory import physical_memory
+from radtex_addon.ui.jobs.bug_report import report_of
 from radtex_addon.ui.operators import changes_operator
 from radtex_addon.ui.operators.changes_operator import RADTEX_OT_show_changes, shown_changes
 from radtex_addon.ui.panel.main_panel import draw_news
+from radtex_addon.ui.settings import preferences as settings_module
 from radtex_addon.ui.settings import seen_version
 from radtex_addon.version import VERSION
 from tests.blender.recorded_layout import RecordedLayout
@@ -34,6 +39,11 @@ TEXT = """\
 
 ## [99.2.0] - 2099-02-01
 
+### Highlights
+
+- Baked *fur*.
+- Bake by one button, *Go*.
+
 ### Added
 
 - **Fur**: it is baked by `--fur`, see [docs/fur.md](docs/fur.md).
@@ -46,7 +56,7 @@ TEXT = """\
 
 ### Changed
 
-- A word.
+- A word is new. It is `new` to scripts, too.
 
 ## [0.1.0] - 2026-11-25
 
@@ -109,30 +119,115 @@ def test_a_step_back_to_an_earlier_version_is_no_news() -> None:
     assert not offered()
 
 
-def test_the_dialog_has_all_releases_since_then_this_one_alone(updated: None) -> None:
-    assert shown_changes() == [
-        ("99.2.0 · Added", ["Fur: it is baked by --fur, see docs/fur.md."]),
-        ("99.2.0 · Fixed", ["A crash."]),
-        ("99.1.0 · Changed", ["A word."]),
-    ]
+def test_the_dialog_has_the_highlights_of_all_releases_since_then_of_this_one(updated: None) -> None:
+    assert shown_changes() == ["Baked fur.", "Bake by one button, Go.", "A word is new."]
     seen_version.mark_seen()
-    assert [heading for heading, _entries in shown_changes()] == ["99.2.0 · Added", "99.2.0 · Fixed"]
+    assert shown_changes() == ["Baked fur.", "Bake by one button, Go."]
 
 
-def test_the_dialog_draws_them_and_leads_to_the_whole_list(updated: None) -> None:
+def test_the_dialog_draws_them_and_leads_to_the_whole_list(
+    updated: None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert drawn_changes().texts[:3] == ["Baked fur.", "Bake by one button, Go.", "A word is new."]
+    ((name, arguments),) = drawn_changes().buttons
+    assert name == "wm.path_open"
+    assert Path(arguments.filepath).read_text(encoding="utf-8") == TEXT
+    monkeypatch.setattr(changes_operator, "website", lambda: "https://radtex.example/")
+    assert [name for name, _ in drawn_changes().buttons] == ["wm.path_open", "wm.url_open"]
+
+
+def drawn_changes() -> RecordedLayout:
     layout = RecordedLayout()
     shown = cast(RADTEX_OT_show_changes, SimpleNamespace(layout=layout, changes=shown_changes()))
     RADTEX_OT_show_changes.draw(shown, None)
-    assert layout.texts[:2] == ["99.2.0 · Added", "Fur: it is baked by --fur, see docs/fur.md."]
-    ((name, arguments),) = layout.buttons
-    assert name == "wm.path_open"
-    assert Path(arguments.filepath).read_text(encoding="utf-8") == TEXT
+    return layout
 
 
-def test_a_long_list_ends_with_how_many_more_there_are(
-    updated: None, monkeypatch: pytest.MonkeyPatch
+def test_the_dialog_of_this_version_is_five_short_lines() -> None:
+    for version in (VERSION, UNRELEASED):
+        release = next(one for one in parse_changelog(CHANGELOG.read_text("utf-8")) if one.version == version)
+        lines = highlights([release], 99)
+        assert 1 <= len(lines) <= 5
+        assert all(len(line) < 130 and "--" not in line for line in lines)
+    preferences().seen_version = ""
+    assert len(drawn_changes().texts) < 16, "lines and a button, lower than any screen"
+
+
+def test_a_release_without_highlights_is_told_by_its_first_sentences(updated: None) -> None:
+    old = parse_changelog(TEXT.replace("### Highlights", "### Removed"))
+    assert highlights(old[1:2], 3) == ["Baked fur.", "Bake by one button, Go.", "Fur:"]
+    assert highlights(old[2:3], 5) == ["A word is new."]
+
+
+def test_the_website_of_the_manifest_is_offered_once_there_is_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(changes_operator, "_MOST_ENTRIES", 2)
-    shown: list[Any] = shown_changes()
-    assert sum(len(entries) for _heading, entries in shown) == 2
-    assert shown[-1] == ("… and 1 more, in the whole list", [])
+    layout: Any = RecordedLayout()
+    settings_module.draw_links(layout)
+    offered = [name for name, _ in layout.buttons]
+    assert offered == ["radtex.copy_report", "radtex.show_changes"], "there is no website yet"
+    manifest = tmp_path / "blender_manifest.toml"
+    manifest.write_text('id = "radtex"\nwebsite = "https://radtex.example/"\n', encoding="utf-8")
+    monkeypatch.setattr(settings_module, "MANIFEST", manifest)
+    settings_module.website.cache_clear()
+    try:
+        settings_module.draw_links(layout)
+    finally:
+        settings_module.website.cache_clear()
+    name, arguments = layout.buttons[-1]
+    assert (name, arguments.url) == ("wm.url_open", "https://radtex.example/")
+
+
+def test_memory_without_a_limit_is_called_automatic() -> None:
+    layout: Any = RecordedLayout()
+    settings_module.draw_memory(layout, preferences())
+    assert (layout.settings, layout.texts) == (["limits_memory"], ["Automatic"])
+    preferences().limits_memory = True
+    half = physical_memory()
+    assert half is not None
+    assert preferences().memory_mb == half // 2**21
+    settings_module.draw_memory(layout, preferences())
+    assert layout.settings[1:] == ["limits_memory", "memory_mb"]
+    preferences().limits_memory = False
+    assert settings_module.preferred().memory_mb is None
+
+
+def test_preferences_say_what_is_used_where_a_folder_is_empty() -> None:
+    layout = _WithPlaceholders()
+    shown: Any = SimpleNamespace(layout=layout, **dict.fromkeys(("limits_memory",), False))
+    shown.bl_rna = preferences().bl_rna
+    settings_module.RADTEX_preferences.draw(shown, None)
+    told = {"output_folder", "cache_folder", "export_into"}
+    assert told == layout.placeholders.keys()
+    assert layout.placeholders["export_into"] == "Beside each bake"
+    stored = {"device", "memory_mb", "default_preset", "export_target", "notify", "limits_memory", *told}
+    assert stored - {"memory_mb"} == set(layout.settings)
+
+
+class _WithPlaceholders(RecordedLayout):
+    """Keeps the placeholders of properties, too."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.placeholders: dict[str, str] = {}
+
+    def prop(self, data: Any, name: str, **options: Any) -> None:
+        super().prop(data, name, **options)
+        if "placeholder" in options:
+            self.placeholders[name] = options["placeholder"]
+
+
+def test_a_report_has_what_drew_and_what_rendered() -> None:
+    versions, system, processor, window, cycles = report_of(None).splitlines()
+    assert versions.startswith(f"RadTex {VERSION}, Blender {bpy.app.version_string}")
+    assert system
+    assert processor.startswith("CPU: ")
+    assert " threads, " in processor
+    assert window == "Window: none"
+    assert cycles.startswith("Cycles: ")
+    assert "RadTex's device: auto; Automatic is CPU" in cycles
+    context.preferences.addons.remove(context.preferences.addons["cycles"])
+    try:
+        assert report_of(None).splitlines()[-1].startswith("Cycles is switched off")
+    finally:
+        context.preferences.addons.new().module = "cycles"

@@ -192,7 +192,7 @@ def test_jobs_wait_for_one_another_and_one_that_fails_or_is_cancelled_holds_up_n
     assert second.files == ()
     report = report_of(second).splitlines()
     assert report[0].startswith(f"RadTex {VERSION}, Blender {bpy.app.version_string}")
-    assert report[2] == "bake of Crad: failed, at 0% (None)"
+    assert "bake of Crad: failed, at 0% (None)" in report
     assert str(second.message) in report
     assert second.log.strip().splitlines()[-1] in report[-1]
     assert {path.parent.name for path in third.files} == {"three"}

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is new after an update: a dialog with CHANGELOG.md's words, and a button that takes the offer away."""
+"""What is new after an update: a dialog with a few lines, and a button that takes the offer away."""
 
 from __future__ import annotations
 
@@ -13,13 +13,14 @@ from ...version import VERSION
 from ..panel.fitting import draw_wrapped
 from ..panel.labels import iface_, remark
 from ..panel.redraw import redraw
+from ..settings.preferences import website
 from ..settings.seen_version import mark_seen, news, news_title, seen_version
 
 if TYPE_CHECKING:
     from bpy.stub_internal.rna_enums import OperatorReturnItems
 
-_WIDTH = 640  # of the dialog, in pixels at UI scale 1
-_MOST_ENTRIES = 40
+_WIDTH = 440  # of the dialog, in pixels at UI scale 1
+_MOST = 5  # lines on what is new, so that no screen is too low for it
 
 
 class RADTEX_OT_show_changes(bpy.types.Operator):
@@ -29,7 +30,7 @@ class RADTEX_OT_show_changes(bpy.types.Operator):
     bl_label = "What's New"
     bl_options = {"INTERNAL"}
 
-    changes: list[tuple[str, list[str]]]  # a heading and its entries
+    changes: list[str]
 
     def invoke(
         self, context: bpy.types.Context | None, event: bpy.types.Event | None
@@ -49,12 +50,13 @@ class RADTEX_OT_show_changes(bpy.types.Operator):
 
     def draw(self, context: bpy.types.Context | None) -> None:
         layout: Any = self.layout
-        for heading, entries in self.changes:
-            layout.label(text=heading, translate=False)
-            column = layout.column(align=True)
-            for entry in entries:
-                draw_wrapped(column, entry, "DOT", _WIDTH - 60)
-        layout.operator("wm.path_open", text="Open the Whole List", icon="TEXT").filepath = _changelog()
+        for line in self.changes:
+            draw_wrapped(layout, line, "DOT", _WIDTH - 60)
+        row = layout.row()
+        texts = iface_("All Changes"), iface_("Manual and Reports")
+        row.operator("wm.path_open", text=texts[0], icon="TEXT", translate=False).filepath = _changelog()
+        if url := website():
+            row.operator("wm.url_open", text=texts[1], icon="URL", translate=False).url = url
 
     def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
         mark_seen()
@@ -79,28 +81,17 @@ class RADTEX_OT_dismiss_changes(bpy.types.Operator):
         return {"FINISHED"}
 
 
-def shown_changes() -> list[tuple[str, list[str]]]:
-    """What the dialog shows: the releases since the last one that was seen, else this one.
+def shown_changes() -> list[str]:
+    """What the dialog shows, a line each: of the releases since the last one that was seen, else of this one.
 
-    Each has a heading and entries in plain words, a sentence or two each; all of them at most 40.
     Raises OSError and FormatError.
     """
-    from ...formats.changelog import CHANGELOG, changes_since, parse_changelog, plain
+    from ...formats.changelog import CHANGELOG, changes_since, highlights, parse_changelog
 
     releases = parse_changelog(CHANGELOG.read_text(encoding="utf-8"))
     since = changes_since(releases, seen_version(), VERSION)
     since = since or [release for release in releases if release.version == VERSION]
-    shown: list[tuple[str, list[str]]] = []
-    left = _MOST_ENTRIES
-    for release in since:
-        for group, entries in release.groups.items():
-            if left > 0:
-                heading = f"{release.version} · {iface_(group)}"
-                shown.append((heading, [plain(entry) for entry in entries[:left]]))
-            left -= len(entries)
-    if left < 0:
-        shown.append((iface_("… and {} more, in the whole list").format(-left), []))
-    return shown
+    return highlights(since, _MOST)
 
 
 def _changelog() -> str:

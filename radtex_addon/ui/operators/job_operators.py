@@ -109,7 +109,7 @@ class RADTEX_OT_clear_jobs(bpy.types.Operator):
 
 
 class RADTEX_OT_copy_report(bpy.types.Operator):
-    """Copy what a report of a bug needs: versions, system, settings, and what the job said"""
+    """Copy what a report of a bug needs: versions, system, graphics card, settings, and what the job said"""
 
     bl_idname = "radtex.copy_report"
     bl_label = "Copy Report"
@@ -120,7 +120,7 @@ class RADTEX_OT_copy_report(bpy.types.Operator):
     else:
         number: IntProperty(
             name="Number",
-            description="The job's number; 0 copies versions and system alone",
+            description="The job's number; 0 copies versions, system and hardware alone",
             default=0,
             min=0,
             options={"SKIP_SAVE"},
@@ -133,7 +133,8 @@ class RADTEX_OT_copy_report(bpy.types.Operator):
         assert context.window_manager is not None  # as above
         job = next((job for job in jobs.snapshot() if job.number == self.number), None)
         context.window_manager.clipboard = report_of(job)
-        self.report({"INFO"}, "The report is in the clipboard: paste it where you report the bug")
+        told = "System information" if job is None else f"The report on {job.object}"
+        self.report({"INFO"}, f"{told} is in the clipboard")
         return {"FINISHED"}
 
 

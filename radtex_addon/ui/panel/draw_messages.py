@@ -11,7 +11,7 @@ import bpy
 from ...core.messages import Message
 from ..settings.bake_settings import BakeSettings
 from ..settings.object_settings import by_settings, settings_for
-from ..settings.preferences import addon_preferences
+from ..settings.preferences import addon_preferences, draw_memory
 from .fitting import draw_button, draw_setting, draw_text
 from .labels import iface_, remark
 from .not_baked import CONVERT
@@ -63,7 +63,9 @@ def _draw_offers(box: Any, scene: bpy.types.Scene, message: Message, found: Fore
     settings, preferences = settings_for(scene, found.objects[0]), addon_preferences()
     for offer in offers(message, settings):
         if offer.preference:
-            if preferences is not None:
+            if preferences is not None and offer.name == "memory_mb":
+                draw_memory(box, preferences)
+            elif preferences is not None:
                 draw_setting(box, preferences, offer.name)
         elif offer.text:
             button = draw_button(box, "radtex.apply_remedy", "NONE", offer.text)

@@ -8,6 +8,8 @@ from typing import Any
 
 import bpy
 
+from ..settings.preferences import draw_links
+
 _object_menu: Any = bpy.types.VIEW3D_MT_object  # the stubs type append's argument too narrowly
 
 
@@ -35,7 +37,7 @@ class RADTEX_MT_object(bpy.types.Menu):
         layout.separator()
         layout.operator_menu_enum("radtex.list_add", "what")
         layout.separator()
-        layout.operator("radtex.show_changes", icon="INFO")
+        draw_links(layout)
 
 
 class RADTEX_MT_pie(bpy.types.Menu):

@@ -1,17 +1,19 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Add-on preferences: device, folders, memory limit, where exports go, and what new files start from."""
+"""Add-on preferences: device, folders, memory limit, exports, what new files start from, and help."""
 
 from __future__ import annotations
 
 import logging
+import tomllib
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import bpy
 from bpy.app.handlers import persistent
-from bpy.props import EnumProperty, IntProperty, StringProperty
+from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
 
 from ...core.errors import InputError
 from ...settings.menu_items import DEVICES, TARGETS
@@ -22,6 +24,13 @@ from .presets import STOCK, apply_preset
 
 # "bl_ext.user_default.radtex" when installed as an extension.
 ADDON = __package__.rpartition(".radtex_addon")[0] or "radtex_addon"
+MANIFEST = Path(__file__).parents[3] / "blender_manifest.toml"  # ships in the zip
+_GIVEN_MB = 8192  # memory limit at first, where the machine does not say how much it has
+_PLACEHOLDERS = {  # what is used where a folder is left empty
+    "output_folder": "None: the panel asks for one",
+    "cache_folder": "The extension's own folder",
+    "export_into": "Beside each bake",
+}
 _log = logging.getLogger(__name__)
 
 
@@ -39,6 +48,20 @@ class Preferred:
     preset: str = ""
     export_target: str = DEFAULT_TARGET.value
     export_into: str = ""
+    notify: bool = True
+
+
+def _has_limit(preferences: RADTEX_preferences) -> bool:
+    return preferences.memory_mb > 0
+
+
+def _set_limit(preferences: RADTEX_preferences, on: bool) -> None:
+    """Switch the memory limit on, at half of the machine's memory, or off."""
+    from ...formats.disk.memory import physical_memory
+
+    found = physical_memory()
+    half = _GIVEN_MB if found is None else max(found // 2**21, 1)
+    preferences.memory_mb = half if on else 0
 
 
 class RADTEX_preferences(bpy.types.AddonPreferences):
@@ -51,9 +74,11 @@ class RADTEX_preferences(bpy.types.AddonPreferences):
         output_folder: str
         cache_folder: str
         memory_mb: int
+        limits_memory: bool
         default_preset: str
         export_target: str
         export_into: str
+        notify: bool
         seen_version: str
     else:
         device: EnumProperty(
@@ -82,6 +107,13 @@ class RADTEX_preferences(bpy.types.AddonPreferences):
             max=2**24,
             soft_max=16384,
         )
+        limits_memory: BoolProperty(
+            name="Limit Memory",
+            description="Refuse bakes that need more memory beside the scene than this. Off, a bake may take "
+            "what the machine has",
+            get=_has_limit,
+            set=_set_limit,
+        )
         default_preset: EnumProperty(
             name="Default Preset",
             description="What new files start from",
@@ -100,6 +132,12 @@ class RADTEX_preferences(bpy.types.AddonPreferences):
             "beside each bake",
             subtype="DIR_PATH",
         )
+        notify: BoolProperty(
+            name="Tell When Done",
+            description="Say in the status bar when bakes, exports and comparisons have ended, and in the 3D "
+            "view's header until it is clicked, also while the sidebar is hidden",
+            default=True,
+        )
         seen_version: StringProperty(
             name="Version Seen",
             description="The version whose changes were shown or dismissed last",
@@ -107,17 +145,44 @@ class RADTEX_preferences(bpy.types.AddonPreferences):
         )
 
     def draw(self, context: bpy.types.Context | None) -> None:
-        layout = self.layout
-        assert layout is not None  # Blender always sets it for drawing
+        layout: Any = self.layout
         text = iface_("To bake, press N over a 3D view and open the sidebar's tab RadTex")
         layout.label(text=text, icon="INFO", translate=False)
         layout.use_property_split = True
-        for name in ("device", "memory_mb", "output_folder", "cache_folder", "default_preset"):
+        layout.prop(self, "device")
+        draw_memory(layout, self)
+        for name, told in _PLACEHOLDERS.items():
+            layout.prop(self, name, placeholder=iface_(told))
+        for name in ("default_preset", "export_target", "notify"):
             layout.prop(self, name)
-        for name in ("export_target", "export_into"):
-            layout.prop(self, name)
-        layout.operator("radtex.copy_report", text="Copy System Information for a Report", icon="COPYDOWN")
-        layout.operator("radtex.show_changes", icon="INFO")
+        draw_links(layout)
+
+
+def draw_memory(layout: Any, preferences: RADTEX_preferences) -> None:
+    """Draw the memory limit: a switch, and how much may be taken while it is on."""
+    row = layout.row(align=True, heading=iface_("Memory (MB)"))
+    row.prop(preferences, "limits_memory", text="")
+    if preferences.limits_memory:
+        row.prop(preferences, "memory_mb", text="")
+    else:
+        row.label(text=iface_("Automatic"), translate=False)
+
+
+def draw_links(layout: Any) -> None:
+    """Draw the buttons for help: what a report needs, what is new, and the website if there is one."""
+    layout.operator("radtex.copy_report", text="Copy System Information", icon="COPYDOWN")
+    layout.operator("radtex.show_changes", icon="INFO")
+    if url := website():
+        layout.operator("wm.url_open", text="Manual and Reports", icon="URL").url = url
+
+
+@lru_cache
+def website() -> str:
+    """Where the manual is and faults are reported: the manifest's website; empty if it names none."""
+    try:
+        return str(tomllib.loads(MANIFEST.read_text(encoding="utf-8")).get("website", ""))
+    except (OSError, tomllib.TOMLDecodeError):  # of a copy that was taken apart
+        return ""
 
 
 def preferred() -> Preferred:
@@ -133,6 +198,7 @@ def preferred() -> Preferred:
         preset="" if found.default_preset == "none" else found.default_preset,
         export_target=found.export_target,
         export_into=found.export_into,
+        notify=found.notify,
     )
 
 
