@@ -26,11 +26,13 @@ from .operators.job_operators import (
     RADTEX_OT_fold_job,
     RADTEX_OT_fold_map,
     RADTEX_OT_open_folder,
+    RADTEX_OT_show_jobs,
+    RADTEX_OT_tell_end,
 )
 from .operators.remedy_operator import RADTEX_OT_apply_remedy
 from .operators.scene_operator import RADTEX_OT_bake_scene
 from .operators.texels_operator import RADTEX_OT_show_texels
-from .panel import finished_panel, forecast, list_panel, menus, panel_state
+from .panel import finished_panel, forecast, job_ends, list_panel, menus, panel_state
 from .panel.cost_panel import RADTEX_PT_cost
 from .panel.jobs_panel import RADTEX_PT_jobs
 from .panel.main_panel import RADTEX_PT_bake
@@ -73,6 +75,8 @@ CLASSES = (
     RADTEX_OT_fold_job,
     RADTEX_OT_fold_map,
     RADTEX_OT_open_folder,
+    RADTEX_OT_tell_end,
+    RADTEX_OT_show_jobs,
     RADTEX_OT_show_changes,
     RADTEX_OT_dismiss_changes,
     RADTEX_OT_show_in_browser,
@@ -107,6 +111,7 @@ def register() -> None:
     presets.register()
     keys.register()
     menus.register()
+    job_ends.register()
     preferences.register()
     panel_state.register(forecast.compute_forecast)
     seen_version.register()
@@ -119,6 +124,7 @@ def unregister() -> None:
     estimates.unregister()
     jobs.unregister()
     preferences.unregister()
+    job_ends.unregister()
     menus.unregister()
     keys.unregister()
     presets.unregister()

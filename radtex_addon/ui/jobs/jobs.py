@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import bpy
 
-from ..panel import panel_state
+from ..panel import job_ends, panel_state
 from ..panel.labels import duration
 from ..panel.redraw import redraw
 from . import bake_times, job_files, pictures
@@ -58,7 +58,8 @@ class _Session:
     is the last snapshot of the jobs; `completions` maps job numbers to completions, `begun` to the time when
     each began, on the monotonic clock, `scenes` those of bakes to what is remembered of their scene,
     `repeats` those of bakes that have not ended to the exports that follow them, and `folded` those that were
-    folded or unfolded by hand to which of both.
+    folded or unfolded by hand to which of both. `untold` are the numbers of jobs that have ended while others
+    were left to do.
     """
 
     queue: Queue | None = None
@@ -68,6 +69,7 @@ class _Session:
     completions: dict[int, Completion] = field(default_factory=dict)
     repeats: dict[int, RepeatedExports] = field(default_factory=dict)
     folded: dict[int, bool] = field(default_factory=dict)
+    untold: set[int] = field(default_factory=set)
 
 
 _session = _Session()
@@ -167,6 +169,7 @@ def add(
 
     Once all of them have ended, the exports of `repeats` that are due are queued.
     """
+    job_ends.forget()
     for order, scene in zip_longest(orders, scenes):
         number = _queue().add(order)
         if scene is not None:
@@ -240,6 +243,7 @@ def forget_ended(number: int | None = None) -> None:
             del _session.folded[gone]
         for gone in _session.completions.keys() - left:
             _session.completions.pop(gone).clean_up()
+        job_ends.forget(frozenset(left))
 
 
 def advance() -> bool:
@@ -263,7 +267,13 @@ def advance() -> bool:
         _remember(job, now)
         if job.state == "done" and job.number in _session.completions:
             _session.completions[job.number].arrived(job)
-    return _export_again(ended) or more
+    more = _export_again(ended) or more
+    _session.untold |= {job.number for job in ended}
+    if not more and _session.untold:
+        untold = [job for job in _session.shown if job.number in _session.untold]
+        _session.untold.clear()
+        job_ends.tell(untold)
+    return more
 
 
 def _export_again(ended: Iterable[Job]) -> bool:
@@ -322,6 +332,7 @@ def unregister() -> None:
     _session.scenes.clear()
     _session.repeats.clear()
     _session.folded.clear()
+    _session.untold.clear()
     job_files.unregister()
     pictures.unregister()
 

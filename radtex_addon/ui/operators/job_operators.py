@@ -4,20 +4,25 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import bpy
-from bpy.props import IntProperty, StringProperty
+from bpy.props import BoolProperty, IntProperty, StringProperty
 
 from ..jobs import jobs, pictures
+from ..panel import job_ends
 from ..panel.labels import remark
-from ..panel.redraw import redraw
+from ..panel.redraw import redraw, views
 from .bake_lookup import bake_location
 from .bake_operator import shown
 from .operator_mixins import OfJob
 
 if TYPE_CHECKING:
     from bpy.stub_internal.rna_enums import OperatorReturnItems
+
+_DRAWN = 0.3  # seconds until a sidebar that was opened is drawn
 
 
 class RADTEX_OT_cancel(bpy.types.Operator):
@@ -136,6 +141,108 @@ class RADTEX_OT_copy_report(bpy.types.Operator):
         told = "System information" if job is None else f"The report on {job.object}"
         self.report({"INFO"}, f"{told} is in the clipboard")
         return {"FINISHED"}
+
+
+class RADTEX_OT_tell_end(bpy.types.Operator):
+    """Say in the status bar what jobs have come to"""
+
+    bl_idname = "radtex.tell_end"
+    bl_label = "Tell the End"
+    bl_options = {"INTERNAL"}
+
+    _timer: bpy.types.Timer | None = None
+
+    if TYPE_CHECKING:
+        text: str
+        failed: bool
+    else:
+        text: StringProperty(name="Text", description="What to say", options={"SKIP_SAVE"})
+        failed: BoolProperty(
+            name="Failed", description="Whether it is a warning", default=False, options={"SKIP_SAVE"}
+        )
+
+    def invoke(
+        self, context: bpy.types.Context | None, event: bpy.types.Event | None
+    ) -> set[OperatorReturnItems]:
+        """Wait for Blender's next event: what an operator says is shown only if Blender itself runs it."""
+        assert context is not None  # Blender always gives one
+        assert context.window_manager is not None  # as above
+        self._timer = context.window_manager.event_timer_add(0.01, window=context.window)
+        context.window_manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(
+        self, context: bpy.types.Context | None, event: bpy.types.Event | None
+    ) -> set[OperatorReturnItems]:
+        if event is None or event.type != "TIMER":
+            return {"PASS_THROUGH"}
+        self.cancel(context)
+        self.execute(context)
+        return {"FINISHED", "PASS_THROUGH"}
+
+    def cancel(self, context: bpy.types.Context | None) -> None:
+        """Remove the timer."""
+        if self._timer is not None and context is not None and context.window_manager is not None:
+            context.window_manager.event_timer_remove(self._timer)
+            self._timer = None
+
+    def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
+        self.report({"WARNING"} if self.failed else {"INFO"}, self.text)
+        return {"FINISHED"}
+
+
+class RADTEX_OT_show_jobs(bpy.types.Operator):
+    """Show the list of jobs, in this 3D view's sidebar"""
+
+    bl_idname = "radtex.show_jobs"
+    bl_label = "Show Jobs"
+    bl_options = {"INTERNAL"}
+
+    if TYPE_CHECKING:
+        show: bool
+    else:
+        show: BoolProperty(
+            name="Show",
+            description="Open the sidebar; else only take away the line that tells of jobs that have ended",
+            default=True,
+            options={"SKIP_SAVE"},
+        )
+
+    @classmethod
+    def description(cls, _: bpy.types.Context | None, properties: Any) -> str:
+        """The tooltip: of the line all that it says, for it may be cut, or of its cross."""
+        if not properties.show:
+            return "Take this line away"
+        told = job_ends.told()
+        return f"{told}\n{cls.__doc__}" if told else cls.__doc__ or ""
+
+    def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
+        assert context is not None  # Blender always gives one
+        job_ends.forget()
+        if not self.show:
+            return {"FINISHED"}
+        space = context.space_data
+        if not isinstance(space, bpy.types.SpaceView3D):
+            self.report({"ERROR"}, "Put the mouse over a 3D view: its sidebar has the list of jobs")
+            return {"CANCELLED"}
+        space.show_region_ui = True
+        assert context.area is not None  # the space is in one
+        place = context.area.as_pointer()
+        _open_tab(place)
+        # Blender knows the tabs of a sidebar once it was drawn.
+        bpy.app.timers.register(partial(_open_tab, place), first_interval=_DRAWN)
+        return {"FINISHED"}
+
+
+def _open_tab(place: int) -> None:
+    """Open RadTex's tab in the sidebar of the 3D view at that address, if it is still there."""
+    area = next((area for area in views() if area.as_pointer() == place), None)
+    sidebar: Any = job_ends.sidebar_of(area)
+    if sidebar is None:
+        return
+    with suppress(TypeError):  # it was never drawn
+        sidebar.active_panel_category = job_ends.TAB
+    sidebar.tag_redraw()
 
 
 class RADTEX_OT_fold_job(OfJob, bpy.types.Operator):

@@ -29,6 +29,7 @@ from .fitting import (
     side_by_side,
     sidebar_room,
 )
+from .job_ends import TAB
 from .labels import capitalized, duration, iface_, size
 from .panel_state import Forecast, Next, cached_forecast
 
@@ -43,7 +44,7 @@ class Sidebar:
 
     bl_space_type: Any = "VIEW_3D"
     bl_region_type: Any = "UI"
-    bl_category = "RadTex"
+    bl_category = TAB
 
 
 class RADTEX_PT_bake(Sidebar, bpy.types.Panel):

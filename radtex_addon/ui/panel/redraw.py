@@ -11,7 +11,7 @@ import bpy
 
 def redraw() -> None:
     """Redraw the sidebar of every 3D view, but not the view itself."""
-    for area in _views():
+    for area in views():
         for region in area.regions:
             if region.type == "UI":
                 region.tag_redraw()
@@ -19,11 +19,12 @@ def redraw() -> None:
 
 def redraw_views() -> None:
     """Redraw every 3D view, with its sidebar."""
-    for area in _views():
+    for area in views():
         area.tag_redraw()
 
 
-def _views() -> Iterator[bpy.types.Area]:
+def views() -> Iterator[bpy.types.Area]:
+    """The 3D views of all windows."""
     manager = bpy.context.window_manager
     for window in manager.windows if manager is not None else ():
         yield from (area for area in window.screen.areas if area.type == "VIEW_3D")
