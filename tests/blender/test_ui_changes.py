@@ -213,7 +213,7 @@ class _WithPlaceholders(RecordedLayout):
 
     def prop(self, data: Any, name: str, **options: Any) -> None:
         super().prop(data, name, **options)
-        if "placeholder" in options:
+        if options.get("placeholder"):
             self.placeholders[name] = options["placeholder"]
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How a bake ends before its time in Blender's window: cancelled, refused by the disk, killed, quit."""
+"""How a bake ends in Blender's window: told where nobody sees the list, cancelled, refused, killed, quit."""
 
 from __future__ import annotations
 
@@ -8,8 +8,31 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from time import monotonic
 
-from tests.real.panel import CROSS, LONG, WORKER, choose, latest, press, wait_for, wait_for_end
-from tests.real.window import Window, wait_until
+from tests.real.panel import CROSS, LONG, SHORT, WORKER, choose, latest, press, wait_for, wait_for_end
+from tests.real.window import Window, changed, wait_until
+
+HEADER = """
+window = bpy.context.window_manager.windows[0]
+area = next(area for area in window.screen.areas if area.type == "VIEW_3D")
+region = next(region for region in area.regions if region.type == "HEADER")
+answer = region.x + region.width, window.height - region.y - region.height, region.height
+"""
+
+
+def test_the_end_is_told_while_the_sidebar_is_hidden_and_a_click_opens_the_list(window: Window) -> None:
+    choose(window, **SHORT)
+    window.key("n", over_view=True)
+    wait_until(lambda: window._sidebar()[2] <= 1, 10, "the sidebar stays")
+    right, top, height = window.ask(HEADER)
+    line = right - 190, top, right, top + height
+    before = window.picture("hidden").crop(line)
+    window.ask("bpy.ops.radtex.bake('EXEC_DEFAULT')")
+    assert wait_for_end(window).state == "done"
+    wait_until(lambda: "RadTex: Baked Suzanne in" in window.said(), 20, "nothing in the status bar")
+    assert changed(before, window.shot("told").crop(line)) > 0.1
+    window.click(right - 90, top + height // 2)
+    wait_until(lambda: window._sidebar()[2] > 1 and window._sidebar()[4] == "RadTex", 10, "no list")
+    assert changed(before, window.picture("opened").crop(line)) < 0.05
 
 
 def test_escape_over_the_sidebar_cancels_within_two_seconds(window: Window) -> None:

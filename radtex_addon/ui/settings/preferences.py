@@ -151,10 +151,9 @@ class RADTEX_preferences(bpy.types.AddonPreferences):
         layout.use_property_split = True
         layout.prop(self, "device")
         draw_memory(layout, self)
-        for name, told in _PLACEHOLDERS.items():
-            layout.prop(self, name, placeholder=iface_(told))
-        for name in ("default_preset", "export_target", "notify"):
-            layout.prop(self, name)
+        for name in ("output_folder", "cache_folder", "default_preset", "export_target", "export_into"):
+            layout.prop(self, name, placeholder=iface_(_PLACEHOLDERS.get(name, "")))
+        layout.prop(self, "notify")
         draw_links(layout)
 
 
