@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import bpy
 
 from ..jobs import jobs
+from ..panel.fitting import draw_wrapped
 from ..panel.labels import iface_, remark, size
 from ..panel.panel_state import mark_stale
 from .bake_lookup import originals
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     from ...store.output_files import BakeFiles
 
 _MOST = 12  # files that are listed by name
+_MARGINS = 40.0  # of the dialog, in pixels at UI scale 1
 
 
 class RADTEX_OT_delete_bake(OfBake, bpy.types.Operator):
@@ -65,7 +67,7 @@ class RADTEX_OT_delete_bake(OfBake, bpy.types.Operator):
     def draw(self, context: bpy.types.Context | None) -> None:
         column: Any = self.layout.column(align=True)  # type: ignore[union-attr]  # Blender sets it for drawing
         for line in told_files(self._found):
-            column.label(text=line, translate=False)
+            draw_wrapped(column, line, "NONE", WIDTH - _MARGINS)
         column.separator()
         column.label(text="Exports in other folders stay. This cannot be undone", icon="ERROR")
 

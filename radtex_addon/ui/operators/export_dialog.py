@@ -16,7 +16,7 @@ import bpy
 from ...bake.bake_title import bake_title, variant_title
 from ...settings.menu_items import KINDS
 from ...settings.targets import Target
-from ..panel.fitting import wrapped
+from ..panel.fitting import draw_wrapped
 from ..panel.labels import iface_, remark, size
 
 if TYPE_CHECKING:
@@ -206,10 +206,7 @@ def _draw_advanced(layout: Any, settings: Any, shown: frozenset[str]) -> None:
 
 
 def _draw_text(layout: Any, text: str, icon: str) -> None:
-    column = layout.column(align=True)
-    column.scale_y = 0.85
-    for number, line in enumerate(wrapped(text, _ROOM)):
-        column.label(text=line, icon=icon if number == 0 else "BLANK1", translate=False)
+    draw_wrapped(layout, text, icon, _ROOM)
 
 
 def shortened(path: Path) -> str:

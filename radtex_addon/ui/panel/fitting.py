@@ -173,7 +173,7 @@ def headed(layout: Any, heading: str, data: Any, names: Sequence[str]) -> Any:
         return layout.column(heading=heading)
     column = layout.column()
     column.use_property_split = False
-    column.label(text=heading)
+    column.label(text=heading, translate=False)
     return column
 
 
