@@ -9,6 +9,7 @@ import bpy
 from ..core.errors import FormatError
 from ..formats.fingerprint import Fingerprint, fingerprint_in
 from ..formats.sidecar_file import read_facts
+from ..preview.kept_copies import copies_not_rendered
 from ..preview.swap import previews_not_rendered
 from ..scene.digests import SceneDigests, read_scene
 from ..scene.scratch import scratch_scene
@@ -30,7 +31,7 @@ def read_now(scene: bpy.types.Scene, frame: int | None = None, view_layer: str |
 
 def read_originals(scratch: bpy.types.Scene) -> SceneDigests:
     """Digests of what a scratch scene shows with the objects in the place of bakes that are shown."""
-    with previews_not_rendered(scratch):
+    with copies_not_rendered(scratch), previews_not_rendered(scratch):
         return read_scene(scratch)
 
 

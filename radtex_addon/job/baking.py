@@ -32,6 +32,7 @@ from ..forms.outcome import Outcome
 from ..prepare.map_checks import wasteful_map
 from ..prepare.prepared import Prepared, prepare
 from ..prepare.unwrapping import COUNTED, Unwraps
+from ..preview.kept_copies import copies_not_rendered
 from ..preview.swap import previews_not_rendered
 from ..scene.camera_place import find_camera_place
 from ..scene.lights.lamps import light_only, lit_by_lamps_alone
@@ -255,6 +256,7 @@ def bake_unchecked(
         one_blas_thread(),
         temporary_folder() as temporary,
         scratch_scene(scene, view_layer, kept) as scratch,
+        copies_not_rendered(scratch),
         previews_not_rendered(scratch),
         use_device(scratch, spec.device) as device,  # before the unwrap, which may take long
     ):

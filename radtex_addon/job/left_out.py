@@ -17,6 +17,7 @@ import bpy
 
 from ..core.errors import InputError
 from ..core.messages import Message
+from ..preview.kept_copies import refuse_copy
 from ..preview.linked import check_replaceable
 from ..scene.checks.refusals import refuse_see_through
 from ..scene.mesh.evaluated import why_not_evaluated
@@ -86,7 +87,9 @@ def find_bakeable(
 
 
 def _check_settings(scene: bpy.types.Scene, name: str, spec: BakeSpec | None, preview: bool) -> None:
-    """Raise InputError if the object is of the wrong sort, does not render, or is what is baked from."""
+    """Raise InputError if the object is a copy that shows a bake, of the wrong sort, or baked from."""
+    if name in scene.objects:
+        refuse_copy(scene.objects[name])
     item = find_object(scene, name)
     if preview:
         check_replaceable([item])

@@ -21,6 +21,7 @@ from ..formats.sidecar_file import AnySidecar, opened
 from ..scene.preview_file import settle
 from ..scene.surfaces import may_have_faces
 from .bake_group import ScriptNode, group_in, load_with_groups, made_materials
+from .kept_copies import home_of_copies, keep
 from .light_linking import link_alike
 from .load import remove_unused
 from .swap import copy_of, has_moved, homes, is_in, stand_in
@@ -43,28 +44,32 @@ def apply_to_copies(
     layer: bpy.types.ViewLayer,
     script: ScriptNode | None = None,
 ) -> list[Applied]:
-    """Make a copy "NAME (baked)" of each object, with the bake's mesh, UVs and material.
+    """Make a copy "NAME (baked copy)" of each object, with the bake's mesh, UVs and material.
 
-    It stands where the object is now, or its preview, in its collections, without parent, constraints,
-    modifiers and animation; visible, also where the object is hidden. In `layer` the copies are selected, and
-    nothing else.
-    The objects are not changed. `script` is as in `load_with_groups`, whose errors it raises, and InputError
-    for an object that is no mesh or in no scene; then nothing has changed.
+    It stands where the object is now, or its preview, in the collection of the scene's copies, without
+    parent, constraints, modifiers and animation; visible, also where the object is hidden. In `layer` the
+    copies are selected, and nothing else.
+    The objects only get a number by which their copies know them. `script` is as in `load_with_groups`, whose
+    errors it raises, and InputError for an object that is no mesh or in no scene; then nothing has changed.
     """
     for original in originals:
         _check(original)
     matrices = [(copy_of(original) or original).matrix_world.copy() for original in originals]
     scene = originals[0].users_scene[0]
-    meshes = load_with_groups(sidecar, [original.name for original in originals], scene, script)
+    file = opened(sidecar)
+    meshes = load_with_groups(file, [original.name for original in originals], scene, script)
+    home = home_of_copies(cast(bpy.types.Scene, layer.id_data))
     made = []
     for original, mesh, matrix in zip(originals, meshes, matrices, strict=True):
         moved = has_moved(matrix, mesh)
         copy = stand_in(original, mesh)
+        copy.name = f"{original.name} (baked copy)"
         settle(copy, mesh, matrix)
         _free(copy)
-        link_alike(copy, original, homes(original))
+        link_alike(copy, original, homes(original) if home is None else [home])
+        keep(copy, original, file.path, "NODES" if script is None else "OSL", matrix)
         made.append(Applied(original, copy, moved))
-    _select([one.copy for one in made], layer)
+    select_only([one.copy for one in made], layer)
     return made
 
 
@@ -82,7 +87,8 @@ def _free(copy: bpy.types.Object) -> None:
         setattr(copy, lock, (False, False, False))
 
 
-def _select(copies: Sequence[bpy.types.Object], layer: bpy.types.ViewLayer) -> None:
+def select_only(copies: Sequence[bpy.types.Object], layer: bpy.types.ViewLayer) -> None:
+    """Select these objects in a view layer, as far as it has them, and nothing else; the first is active."""
     layer.update()
     for item in list(layer.objects.selected):
         item.select_set(False, view_layer=layer)

@@ -387,11 +387,11 @@ def homes(original: bpy.types.Object) -> list[bpy.types.Collection]:
     """The collections to link the copy to: the object's, or its scenes' if none of those can be changed."""
     worlds = [scene.rigidbody_world for scene in bpy.data.scenes if scene.rigidbody_world is not None]
     bodies = {part for world in worlds for part in (world.collection, world.constraints)}
-    found = [home for home in original.users_collection if home not in bodies and not _is_foreign(home)]
-    return found or [scene.collection for scene in original.users_scene if not _is_foreign(scene)]
+    found = [home for home in original.users_collection if home not in bodies and not is_foreign(home)]
+    return found or [scene.collection for scene in original.users_scene if not is_foreign(scene)]
 
 
-def _is_foreign(block: Any) -> bool:
+def is_foreign(block: Any) -> bool:
     """Whether the contents of a collection or scene come from a library."""
     return block.library is not None or block.override_library is not None
 

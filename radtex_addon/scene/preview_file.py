@@ -110,7 +110,7 @@ def settle(copy: bpy.types.Object, mesh: Any, matrix: Matrix, whole: bool = Fals
     copy.constraints.clear()
     copy.animation_data_clear()
     if whole or is_sheared(matrix):
-        _give_to_mesh(matrix, mesh)
+        give_to_mesh(matrix, mesh)
         matrix = Matrix.Identity(4)
     copy.matrix_world = matrix
 
@@ -122,7 +122,7 @@ def is_sheared(matrix: Matrix) -> bool:
     return bool(gap > _SHEARED * np.abs(np.array(matrix)).max())
 
 
-def _give_to_mesh(matrix: Matrix, mesh: Any) -> None:
+def give_to_mesh(matrix: Matrix, mesh: Any) -> None:
     """Apply the matrix to the mesh and its frame."""
     turn = np.array(matrix.to_3x3())
     mirrored = np.linalg.det(turn) < 0

@@ -9,8 +9,7 @@ from typing import Any
 import bpy
 
 from .jobs import estimates, jobs
-from .operators import keys, texels_operator
-from .operators.apply_operators import RADTEX_OT_apply_to_copy, RADTEX_OT_make_asset
+from .operators import apply_operators, keys, texels_operator
 from .operators.bake_operator import RADTEX_OT_bake
 from .operators.browser_operator import RADTEX_OT_show_in_browser
 from .operators.changes_operator import RADTEX_OT_dismiss_changes, RADTEX_OT_show_changes
@@ -80,8 +79,7 @@ CLASSES = (
     RADTEX_OT_show_changes,
     RADTEX_OT_dismiss_changes,
     RADTEX_OT_show_in_browser,
-    RADTEX_OT_apply_to_copy,
-    RADTEX_OT_make_asset,
+    *apply_operators.CLASSES,
     RADTEX_OT_delete_bake,
     RADTEX_OT_forget_export,
     RADTEX_OT_preset_add,

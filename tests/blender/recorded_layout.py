@@ -64,6 +64,9 @@ class RecordedLayout:
         _check("split", options)
         return self
 
+    def menu_pie(self) -> RecordedLayout:
+        return self
+
     def box(self) -> RecordedLayout:
         return self
 

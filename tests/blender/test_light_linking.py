@@ -126,7 +126,10 @@ def test_an_applied_copy_is_linked_as_its_object(sidecar: Path) -> None:
     item = linked_scene()
     before = members()
     (made,) = apply_to_copies([item], sidecar, context.view_layer)
-    assert members() == alike(before, item.name, made.copy.name)
+    copy = made.copy.name
+    wanted = alike(before, item.name, copy) | {"Shelf": before["Shelf"], "Radiance Textures": {copy: IN}}
+    wanted["Nested"] = before["Nested"] | {copy: OUT}  # which leaves out the original's shelf
+    assert members() == wanted
 
 
 def test_a_preview_elsewhere_than_its_object_is_linked_alike(sidecar: Path, tmp_path: Path) -> None:
@@ -147,10 +150,11 @@ def test_a_preview_elsewhere_than_its_object_is_linked_alike(sidecar: Path, tmp_
     before = members()
     (made,) = apply_to_copies([home.objects[0]], sidecar, context.view_layer)
     assert set(made.copy.users_collection) == {
-        context.scene.collection,
+        bpy.data.collections["Radiance Textures"],
         bpy.data.collections["Receivers"],
     }
-    expected = {**before, "Receivers": before["Receivers"] | {made.copy.name: OUT}}
+    name = made.copy.name
+    expected = {**before, "Receivers": before["Receivers"] | {name: OUT}, "Radiance Textures": {name: IN}}
     assert members() == expected
 
 

@@ -125,10 +125,37 @@ def test_showing_a_bake_moves_no_button(bake: str, shading: str, capfd: pytest.C
         radtex.preview_toggle()
         main, finished = (drawn(panel) for panel in (RADTEX_PT_bake, RADTEX_PT_afterwards))
     assert main.texts == before[0]
-    assert finished.texts[: len(before[1])] == before[1]
+    assert finished.texts == before[1]
     blind = shading == "SOLID"
-    assert finished.texts[-2:] == (["Material", "Rendered"] if blind else before[1][-2:])
+    assert " ".join(finished.texts).count("Solid shows no bake.") == blind
+    shadings = [text for text in finished.texts if text in ("Material Preview", "Rendered")]
+    assert shadings == (["Material Preview", "Rendered"] if blind else [])
+    if blind:  # beside Preview, which is the first
+        assert finished.texts.index("Rendered") < finished.texts.index("Export…")
     assert ("Shade the view by Material Preview or Rendered" in capfd.readouterr().out) == blind
+
+
+def test_each_panel_is_about_its_own_view(bake: str, capfd: pytest.CaptureFixture[str]) -> None:
+    """Only the view whose panel it is counts; in another editor, one view that shows materials is enough."""
+    scene_with_balls()
+    context.scene.radtex.directory = bake
+    window = context.window_manager.windows[0]
+    for area, kind in zip(window.screen.areas, ("VIEW_3D", "VIEW_3D", "OUTLINER"), strict=False):
+        area.type = kind
+    solid, rendered, other = list(window.screen.areas)[:3]
+    solid.spaces.active.shading.type, rendered.spaces.active.shading.type = "SOLID", "RENDERED"
+    told = "Shade the view by Material Preview or Rendered"
+    for area, blind in ((solid, True), (rendered, False), (other, False)):
+        with context.temp_override(window=window, area=area):
+            assert ("Rendered" in drawn(RADTEX_PT_afterwards).texts) == blind
+            radtex.preview_toggle(action="ON")
+        assert (told in capfd.readouterr().out) == blind
+    rendered.spaces.active.shading.type = "WIREFRAME"
+    with context.temp_override(window=window, area=other):
+        radtex.preview_toggle(action="ON")
+    assert told in capfd.readouterr().out
+    with context.temp_override(window=window, area=rendered):
+        assert any("Wireframe shows" in text for text in drawn(RADTEX_PT_afterwards).texts)
 
 
 def test_where_nothing_is_baked_the_panel_says_so(bake: str, tmp_path: Path) -> None:

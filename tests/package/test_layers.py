@@ -231,6 +231,7 @@ READERS: dict[str, str] = {
             "job/preflight",
             "job/previews",
             "preview/hidden_objects",
+            "preview/kept_copies",
             "scene/mesh/cage",
             "scene/objects",
             "ui/jobs/bake_times",

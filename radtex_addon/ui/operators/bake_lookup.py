@@ -189,3 +189,20 @@ def asset_bakes(scene: bpy.types.Scene, names: Sequence[str], bake: str) -> dict
         except RadTexError:  # which the look for a bake of each will raise
             continue
     return found
+
+
+def bake_of_copy(scene: bpy.types.Scene, copy: bpy.types.Object) -> Path | None:
+    """The sidecar of the bake that a copy shows, or if that is gone of its object's bake; None if neither."""
+    from ...core.errors import RadTexError
+    from ...preview.kept_copies import original_of_copy, shown_by
+
+    shown = shown_by(copy)
+    if shown is None:
+        return None
+    try:
+        if shown.sidecar.is_file():
+            return shown.sidecar
+        original = original_of_copy(copy, scene)
+        return sidecar_of(scene, shown.name if original is None else original.name, "")
+    except (RadTexError, OSError):
+        return None

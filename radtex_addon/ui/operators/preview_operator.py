@@ -4,17 +4,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import bpy
-from bpy.props import EnumProperty
+from bpy.props import BoolProperty, EnumProperty
 
 from ...settings.menu_items import LAYERS
 from ..panel.labels import remark
 from .bake_lookup import bake_called, originals, sidecars_of
 from .bake_operator import shown
 from .operator_mixins import OfBake
-from .switch import is_blind
+from .switch import blind_line, blind_view, draw_shadings
 from .undo import push_step
 
 if TYPE_CHECKING:
@@ -37,7 +37,10 @@ class RADTEX_OT_preview_toggle(OfBake, bpy.types.Operator):
     if TYPE_CHECKING:  # types of the properties that Blender creates from the annotations below
         action: str
         layer: str
+        offer: bool
+        _on: bool  # whether bakes were just shown
     else:
+        _on = False
         action: EnumProperty(
             name="Action",
             description="What to show",
@@ -52,6 +55,21 @@ class RADTEX_OT_preview_toggle(OfBake, bpy.types.Operator):
             default="whole",
             options={"SKIP_SAVE"},
         )
+        offer: BoolProperty(
+            name="Offer Shadings",
+            description="After a click in a view whose shading shows no bake, offer others at the mouse",
+            default=True,
+            options={"SKIP_SAVE", "HIDDEN"},
+        )
+
+    def invoke(
+        self, context: bpy.types.Context | None, event: bpy.types.Event | None
+    ) -> set[OperatorReturnItems]:
+        """Toggle, and offer other shadings if the view's shows no bake."""
+        done = self.execute(context)
+        if "FINISHED" in done and self._on and self.offer and context is not None:
+            _offer_shadings(context)
+        return done
 
     def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
         from ...core.errors import RadTexError
@@ -69,6 +87,7 @@ class RADTEX_OT_preview_toggle(OfBake, bpy.types.Operator):
             return {"CANCELLED"}
         for item in items if off else ():
             switch_off(item)
+        self._on = not off
         push_step(self.bl_label)
         return {"FINISHED"}
 
@@ -92,7 +111,7 @@ class RADTEX_OT_preview_toggle(OfBake, bpy.types.Operator):
                 if preview.original not in before:
                     switch_off(preview.original)
             raise
-        if context is not None and is_blind(context.space_data):
+        if context is not None and blind_view(context) is not None:
             self.report(
                 {"INFO"}, "Shade the view by Material Preview or Rendered: this shading shows no bake"
             )
@@ -100,3 +119,15 @@ class RADTEX_OT_preview_toggle(OfBake, bpy.types.Operator):
             self.report({"WARNING"}, remark(error))
         for name in (preview.original.name for preview in made if preview.moved):
             self.report({"WARNING"}, f"{name} has moved since the bake: it shows the light of its old place")
+
+
+def _offer_shadings(context: bpy.types.Context) -> None:
+    """At the mouse, offer the shadings that show a bake, if that of the view does not."""
+    space = blind_view(context)
+    if space is None or context.window_manager is None or bpy.app.background:
+        return
+
+    def draw(menu: Any, _: bpy.types.Context) -> None:
+        draw_shadings(menu.layout, space)
+
+    context.window_manager.popup_menu(draw, title=blind_line(space), icon="INFO")

@@ -15,25 +15,46 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
+_PREVIEW = "radtex.preview_toggle"
 LARGE = 1.5  # height of the button for the next step, relative to a normal button
 _BLIND = ("WIREFRAME", "SOLID")  # viewport shadings that do not show materials
+_SEEING = (("MATERIAL", "Material Preview"), ("RENDERED", "Rendered"))
 
 
-def draw_switch(layout: Any, item: bpy.types.Object | None, files: Sequence[Path] = ()) -> Any:
-    """Draw the preview button, pressed if the bake of `item` is shown; returns its operator's properties.
+def draw_switch(layout: Any, item: bpy.types.Object | None, *, large: bool = True) -> None:
+    """Draw the preview button, pressed if the bake of `item` is shown.
 
-    With the `files` of one bake it is pressed only if that one is shown, and shows it instead of another.
+    The `large` one is the panel's, which has `draw_shading` below it.
+    """
+    from ...preview.swap import is_on
+
+    pressed = item is not None and is_on(item)
+    if large:
+        row = layout.row()
+        row.scale_y = LARGE
+        texts = iface_("Preview Bake"), iface_("Preview")
+        switch = draw_button(row, _PREVIEW, _icon(pressed), *texts, depress=pressed)
+    else:
+        switch = layout.operator(_PREVIEW, icon=_icon(pressed), depress=pressed)
+    switch.action, switch.offer = "TOGGLE", not large
+
+
+def draw_small_switch(layout: Any, item: bpy.types.Object | None, files: Sequence[Path]) -> Any:
+    """Draw the icon that shows the bake with these `files`; returns its operator's properties.
+
+    It is pressed only if that bake is the one that is shown, and shows it in the place of any other.
     """
     from ...preview.swap import is_on, shows_any_of
 
     switched = item is not None and is_on(item)
-    pressed = item is not None and switched and (not files or shows_any_of(item, files))
-    row = layout.row()
-    row.scale_y = LARGE
-    icon = "HIDE_OFF" if pressed else "HIDE_ON"
-    switch = draw_button(row, "radtex.preview_toggle", icon, *_preview(), depress=pressed)
+    pressed = item is not None and switched and shows_any_of(item, files)
+    switch = layout.operator(_PREVIEW, text="", icon=_icon(pressed), depress=pressed)
     switch.action = "ON" if switched and not pressed else "TOGGLE"
     return switch
+
+
+def _icon(pressed: bool) -> str:
+    return "HIDE_OFF" if pressed else "HIDE_ON"
 
 
 def draw_layers(layout: Any, item: bpy.types.Object | None) -> None:
@@ -47,8 +68,8 @@ def draw_layers(layout: Any, item: bpy.types.Object | None) -> None:
 
 
 def draw_show(layout: Any) -> Any:
-    """Draw a button that shows one of several bakes of an object; returns its operator's properties."""
-    switch = draw_button(layout, "radtex.preview_toggle", "HIDE_OFF", *_preview())
+    """Draw the icon that shows one of several bakes of an object; returns its operator's properties."""
+    switch = layout.operator(_PREVIEW, text="", icon="HIDE_OFF")
     switch.action = "ON"
     return switch
 
@@ -58,18 +79,44 @@ def is_blind(space: bpy.types.Space | None) -> TypeGuard[bpy.types.SpaceView3D]:
     return isinstance(space, bpy.types.SpaceView3D) and space.shading.type in _BLIND
 
 
+def blind_view(context: bpy.types.Context) -> bpy.types.SpaceView3D | None:
+    """The 3D view in which a bake is shown but not seen, because of the shading; None if it is seen.
+
+    That is the view that was clicked in. Elsewhere, as in a menu of another editor, it is the largest of the
+    window's views, if no view of any window shows materials.
+    """
+    space = context.space_data
+    if isinstance(space, bpy.types.SpaceView3D):
+        return space if is_blind(space) else None
+    manager, window = context.window_manager, context.window
+    if manager is None or window is None:
+        return None
+    areas = [area for one in manager.windows for area in one.screen.areas if area.type == "VIEW_3D"]
+    if not all(is_blind(area.spaces.active) for area in areas):
+        return None
+    here = [area for area in window.screen.areas if area.type == "VIEW_3D"]
+    largest = max(here, key=lambda area: area.width * area.height, default=None)
+    found = None if largest is None else largest.spaces.active
+    return found if is_blind(found) else None
+
+
+def blind_line(space: bpy.types.SpaceView3D) -> str:
+    """That the view's shading shows no bake, in a line."""
+    name = iface_("Wireframe") if space.shading.type == "WIREFRAME" else iface_("Solid")
+    return iface_("{} shows no bake. Look in:").format(name)
+
+
 def draw_shading(layout: Any, space: bpy.types.Space | None) -> None:
-    """Draw Blender's shading buttons if the current shading does not show materials, and so no bake."""
+    """Draw buttons for the shadings that show a bake, if that of the view does not."""
     if not is_blind(space):
         return
-    draw_text(layout, iface_("Seen in these shadings only:"), "INFO")
-    shadings = (("MATERIAL", iface_("Material")), ("RENDERED", iface_("Rendered")))
-    row, _ = side_by_side(layout, [name for _, name in shadings])
+    draw_text(layout, blind_line(space), "INFO")
+    row, _ = side_by_side(layout, [iface_(name) for _, name in _SEEING])
     row.use_property_split = False
-    for shading, name in shadings:
-        row.prop_enum(space.shading, "type", shading, text=name, translate=False)
+    draw_shadings(row, space)
 
 
-def _preview() -> tuple[str, str]:
-    """The preview button's text, and a shorter one."""
-    return iface_("Preview Bake"), iface_("Preview")
+def draw_shadings(layout: Any, space: bpy.types.SpaceView3D) -> None:
+    """Draw the two buttons alone."""
+    for shading, name in _SEEING:
+        layout.prop_enum(space.shading, "type", shading, text=iface_(name), translate=False)

@@ -18,6 +18,7 @@ from ..operators.switch import draw_layers, draw_shading, draw_switch
 from .fitting import draw_button, draw_text
 from .labels import iface_
 from .main_panel import Sidebar, drawn
+from .next_buttons import draw_action
 from .panel_state import Forecast, Next
 
 # Operator and icon, and texts of which the first one is drawn that fits.
@@ -25,12 +26,12 @@ _MENUS = (
     ("radtex.apply_to_copy", "DUPLICATE", "Apply to a Copy", "To a Copy", "Copy"),
     ("radtex.make_asset", "ASSET_MANAGER", "Make Asset", "Asset"),
 )
-_BUTTONS = (
-    ("radtex.compare", "IMAGE_REFERENCE", "Compare with Cycles", "Compare"),
-    ("radtex.show_in_browser", "URL", "Show in Browser", "Browser"),
-    ("radtex.export", "EXPORT", "Export…"),
-    ("radtex.open_folder", "FILE_FOLDER", "Open Folder", "Folder"),
-    ("radtex.delete_bake", "TRASH", "Delete Bake…", "Delete…"),
+_AFTERWARDS = (
+    "radtex.compare",
+    "radtex.show_in_browser",
+    "radtex.export",
+    "radtex.open_folder",
+    "radtex.delete_bake",
 )
 
 
@@ -46,19 +47,21 @@ class RADTEX_PT_afterwards(Sidebar, bpy.types.Panel):
         layout.use_property_split = False
         item = context.active_object if context is not None else None
         nothing = found is not None and nothing_is_baked(found, item)
+        if found is not None and found.copies:
+            draw_text(layout, iface_("These are for the bake's object: select the original"), "INFO")
         whole = layout.column()
-        whole.enabled = found is not None and bool(found.objects) and not nothing
+        whole.enabled = there = found is not None and bool(found.objects) and not nothing
         draw_switch(whole, item)
+        if context is not None and there:
+            draw_shading(whole, context.space_data)
         column = whole.column()
         for name, icon, *texts in _MENUS:
             draw_button(column, name, icon, *map(iface_, texts), menu="shader")
-        for name, icon, *texts in _BUTTONS:
-            draw_button(column, name, icon, *map(iface_, texts))
+        for operator in _AFTERWARDS:
+            draw_action(column, operator, fit=True)
         draw_layers(whole, item)
         if nothing:
             draw_text(layout, iface_("Nothing of it is baked yet"), "INFO")
-        if found is not None and found.shown and context is not None:
-            draw_shading(layout.column(), context.space_data)
 
 
 def nothing_is_baked(found: Forecast, item: bpy.types.Object | None) -> bool:

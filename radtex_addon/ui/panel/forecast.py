@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 
 import bpy
 
-from ..settings.chosen_objects import chosen_by, chosen_names
+from ..settings.chosen_objects import chosen_by, chosen_names, selected_meshes
 from .not_baked import not_baked
-from .panel_state import Forecast, Next, ShownAsset
+from .panel_state import Forecast, Next, ShownAsset, ShownCopy
 
 if TYPE_CHECKING:
     from ...job.bake_request import BakeRequest
@@ -36,6 +36,8 @@ def compute_forecast(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) ->
     from .request_checks import sort_out
 
     look_at_files()
+    if copies := _copies(scene, view_layer):
+        return Forecast((), copies=copies)
     chosen = chosen_names(scene, view_layer)
     sorted_out = sort_out(scene, chosen, patience=_PATIENCE)
     names, left_out = sorted_out.kept, sorted_out.left_out
@@ -73,6 +75,24 @@ def _of_none(
     errors = dict.fromkeys((*found.errors, *reasons(left_out)))
     others = not_baked(_selected(scene, view_layer))
     return replace(found, objects=chosen, errors=tuple(errors), next=Next.NOTHING, not_baked=others)
+
+
+def _copies(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> tuple[ShownCopy, ...]:
+    """The selected copies that show a bake; none if anything else is to be baked."""
+    from ...preview.kept_copies import digest_of, original_of_copy, shown_by
+    from ..operators.bake_lookup import bake_of_copy
+
+    items = selected_meshes(view_layer) if chosen_by(scene).source == "selection" else []
+    found = [(item, shown) for item in items if (shown := shown_by(item)) is not None]
+    if len(found) < len(items):
+        return ()
+    copies = []
+    for item, shown in found:
+        original, sidecar = original_of_copy(item, scene), bake_of_copy(scene, item)
+        bake = "" if sidecar is None else "same" if digest_of(sidecar) == shown.digest else "newer"
+        name = shown.name if original is None else original.name
+        copies.append(ShownCopy(item.name, name, original is not None, bake))
+    return tuple(copies)
 
 
 def _selected(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Sequence[bpy.types.Object]:

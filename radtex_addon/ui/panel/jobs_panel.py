@@ -13,10 +13,11 @@ from ...bake.bake_title import bake_title
 from ...settings.menu_items import KINDS, TARGETS
 from ..jobs import browser, job_files, jobs, pictures
 from ..jobs.job_files import Fate
-from ..operators.switch import draw_show, draw_switch
+from ..operators.switch import draw_show, draw_small_switch
 from .fitting import draw_button, draw_text, draw_title, fitting, side_by_side, sidebar_room
 from .labels import duration, iface_, number, remark, size, stage
 from .main_panel import Sidebar
+from .next_buttons import draw_action
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -296,18 +297,18 @@ def _offer_bake(column: Any, job: Job) -> None:
     is_missing = _is_of_other_file(job) and item is None
     if has_preview and is_missing:
         draw_text(column, iface_("Open {} to preview it").format(_file_of(job)), "INFO")
-    elif has_preview:
-        buttons.append(draw_show(column) if job.order.variant else draw_switch(column, item, job.files))
     row = column.row(align=True)
     if has_preview and not is_missing:
-        buttons.append(row.operator("radtex.compare", text="", icon="IMAGE_REFERENCE"))
+        small = draw_show(row) if job.order.variant else draw_small_switch(row, item, job.files)
+        buttons += [small, draw_action(row, "radtex.compare", as_icon=True)]
     if has_preview:
-        buttons.append(row.operator("radtex.show_in_browser", text="", icon="URL"))
-        buttons.append(row.operator("radtex.export", text="", icon="EXPORT"))
-    buttons.append(row.operator("radtex.delete_bake", text="", icon="TRASH"))
+        buttons += [
+            draw_action(row, f"radtex.{name}", as_icon=True) for name in ("show_in_browser", "export")
+        ]
+    buttons.append(draw_action(row, "radtex.delete_bake", as_icon=True))
     for button in buttons:
         button.object, button.bake, button.job = job.object, sidecar, job.number
-    row.operator("radtex.open_folder", text="", icon="FILE_FOLDER").directory = str(job.out)
+    draw_action(row, "radtex.open_folder", as_icon=True).directory = str(job.out)
 
 
 def _offer_comparison(column: Any, job: Job) -> None:
@@ -334,8 +335,7 @@ def _offer_export(column: Any, job: Job) -> None:
         page = draw_button(column, "radtex.show_in_browser", "URL", *texts)
         page.directory, page.job = str(folder), job.number
     opened = job.out if several else job.files[0]
-    texts = (iface_("Open Folder"), iface_("Folder"))
-    draw_button(column, "radtex.open_folder", "FILE_FOLDER", *texts).directory = str(opened)
+    draw_action(column, "radtex.open_folder", fit=True).directory = str(opened)
 
 
 _OFFERS = {"bake": _offer_bake, "comparison": _offer_comparison, "export": _offer_export}

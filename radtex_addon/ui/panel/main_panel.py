@@ -14,7 +14,7 @@ import bpy
 from ..operators.switch import LARGE
 from ..operators.texels_operator import is_on as texels_shown
 from ..settings.bake_settings import BakeSettings
-from ..settings.chosen_objects import chosen_by, nothing_chosen, told_names
+from ..settings.chosen_objects import chosen_by, nothing_chosen
 from ..settings.object_settings import edited_settings, owner_of
 from ..settings.presets import STOCK, RADTEX_PT_presets, is_applied
 from ..settings.seen_version import news, news_title
@@ -31,6 +31,7 @@ from .fitting import (
 )
 from .job_ends import TAB
 from .labels import capitalized, duration, iface_, size
+from .next_buttons import bake_buttons, draw_action, draw_buttons, told_copies
 from .panel_state import Forecast, Next, cached_forecast
 
 _PRESETS_IN_A_ROW = 3
@@ -60,6 +61,10 @@ class RADTEX_PT_bake(Sidebar, bpy.types.Panel):
         layout, settings, found = drawn(self, context)
         assert context is not None  # Blender always gives one
         _draw_objects(layout, cast(bpy.types.Scene, context.scene), context.active_object, found)
+        if found is not None and found.copies:
+            _draw_copies(layout, found)
+            draw_news(layout)
+            return
         _draw_presets(layout.column(align=True), settings)
         column = layout.column(align=True)
         draw_setting(column, settings, settings.atlas_size)  # "texels" or "density"
@@ -155,6 +160,7 @@ def _draw_objects(
     """One line: what is baked, how that is chosen, and whether the active object has its own settings."""
     chosen = chosen_by(scene)
     names = found.objects if found is not None else ()
+    shown = names or (tuple(one.name for one in found.copies) if found is not None else ())
     owner = owner_of(active)
     pinned: Any = owner if owner is not None and owner.name in names else None
     room = sidebar_room(icon=True, buttons=2 if pinned is None else 3)
@@ -165,8 +171,8 @@ def _draw_objects(
         row.use_property_split = False
     if chosen.source == "collection":
         row.prop(chosen, "collection", text="")
-    elif names:
-        text = names[0] if len(names) == 1 else iface_("{} objects").format(len(names))
+    elif shown:
+        text = shown[0] if len(shown) == 1 else iface_("{} objects").format(len(shown))
         named.label(text=shortened(text, room), icon="OUTLINER_OB_MESH", translate=False)
     else:
         text = fitting(room, capitalized(iface_(nothing_chosen(scene))), iface_("Nothing"))
@@ -188,33 +194,17 @@ def _draw_presets(column: Any, settings: BakeSettings) -> None:
 
 def _draw_buttons(layout: Any, found: Forecast | None) -> None:
     """Draw the large button, and what goes beside it: to resume, or to bake what has changed."""
-    doing = found.next if found is not None else Next.NOTHING
-    buttons = _large_buttons(doing, found is not None and found.unfinished > 0)
-    row, share = side_by_side(layout, [texts[-1] for texts, _, _ in buttons])
+    buttons = bake_buttons(found)
+    row, share = side_by_side(layout, [one.texts[-1] for one in buttons])
     row.scale_y = LARGE
-    row.enabled = doing not in (Next.NOTHING, Next.WAIT)
-    for texts, icon, how in buttons:
-        _draw_bake(row, found, icon, *texts, share=share, **how)
+    draw_buttons(row, found, buttons, share=share)
     row = layout.row(align=True)
-    texts = (iface_("Bake the Scene…"), iface_("Bake Scene…"), iface_("Scene…"))
-    draw_button(row, "radtex.bake_scene", "SCENE_DATA", *texts, buttons=1)
+    draw_action(row, "radtex.bake_scene", fit=True, buttons=1)
     row.operator("radtex.show_texels", text="", icon="TEXTURE", depress=texels_shown())
+    doing = found.next if found is not None else Next.NOTHING
     can_choose = doing in (Next.RESUME, Next.REPLACE) and found is not None and not found.unfinished
     if found is not None and can_choose and found.finished > 1:
         _draw_changed(layout.row(align=True))
-
-
-def _large_buttons(doing: Next, unfinished: bool) -> list[tuple[tuple[str, ...], str, dict[str, bool]]]:
-    """Of each large button its texts, the longest first, its icon, and how it bakes."""
-    if doing is Next.WAIT:
-        return [((iface_("Being Baked"), iface_("Baking")), "RENDER_STILL", {})]
-    if doing not in (Next.RESUME, Next.REPLACE):
-        return [((iface_("Bake Radiance Texture"), iface_("Bake")), "RENDER_STILL", {})]
-    again = (iface_("Bake Again"), iface_("Again")), "FILE_REFRESH", {"overwrite": True}
-    if doing is Next.REPLACE:
-        return [again]
-    texts = (iface_("Resume"),) if unfinished else (iface_("Bake the Others"), iface_("Others"))
-    return [(texts, "PLAY", {"resume": True}), again]
 
 
 def _draw_changed(row: Any) -> None:
@@ -226,19 +216,13 @@ def _draw_changed(row: Any) -> None:
         button.only, button.show_object = only, True
 
 
-def _draw_bake(
-    row: Any,
-    found: Forecast | None,
-    icon: str,
-    *texts: str,
-    share: float,
-    resume: bool = False,
-    overwrite: bool = False,
-) -> None:
-    """Draw a button that bakes what was found, and is refused if other objects are chosen by now."""
-    button = draw_button(row, "radtex.bake", icon, *texts, share=share)
-    button.resume, button.overwrite, button.show_object = resume, overwrite, True
-    button.expected = "" if found is None else told_names(found.chosen)
+def _draw_copies(layout: Any, found: Forecast) -> None:
+    """Draw what is done with copies that show a bake; in the place of the button, for they are not baked."""
+    column = layout.column(align=True)
+    for number, line in enumerate(told_copies(found)):
+        draw_text(column, line, "BLANK1" if number else "INFO")
+    column = layout.column()
+    draw_buttons(column, found, bake_buttons(found), share=1.0)
 
 
 def drawn(

@@ -8,7 +8,10 @@ from typing import Any
 
 import bpy
 
+from ..operators.switch import draw_switch
 from ..settings.preferences import draw_links
+from .next_buttons import bake_buttons, draw_action, draw_buttons
+from .panel_state import Forecast, cached_forecast
 
 _object_menu: Any = bpy.types.VIEW3D_MT_object  # the stubs type append's argument too narrowly
 
@@ -20,20 +23,18 @@ class RADTEX_MT_object(bpy.types.Menu):
 
     def draw(self, context: bpy.types.Context | None) -> None:
         layout: Any = self.layout
-        layout.operator("radtex.bake", icon="RENDER_STILL")
-        layout.operator("radtex.bake", text="Resume Bake", icon="PLAY").resume = True
-        layout.operator_menu_enum("radtex.bake_scene", "what", icon="SCENE_DATA")
+        found = _found(context)
+        draw_buttons(layout, found, bake_buttons(found), grey=False)
+        draw_action(layout, "radtex.bake_scene")
         layout.operator("radtex.join_instances", icon="OUTLINER_OB_GROUP_INSTANCE")
         layout.operator("radtex.show_texels", icon="TEXTURE")
         layout.operator("radtex.estimate", icon="TIME")
         layout.separator()
-        layout.operator("radtex.preview_toggle", icon="HIDE_OFF")
+        draw_switch(layout, context.active_object if context is not None else None, large=False)
         layout.operator_menu_enum("radtex.apply_to_copy", "shader", icon="DUPLICATE")
         layout.operator_menu_enum("radtex.make_asset", "shader", icon="ASSET_MANAGER")
-        layout.operator("radtex.compare", icon="IMAGE_REFERENCE")
-        layout.operator("radtex.show_in_browser", icon="URL")
-        layout.operator("radtex.export", icon="EXPORT")
-        layout.operator("radtex.delete_bake", text="Delete Bake…", icon="TRASH")
+        for operator in ("radtex.compare", "radtex.show_in_browser", "radtex.export", "radtex.delete_bake"):
+            draw_action(layout, operator)
         layout.separator()
         layout.operator_menu_enum("radtex.list_add", "what")
         layout.separator()
@@ -47,10 +48,23 @@ class RADTEX_MT_pie(bpy.types.Menu):
 
     def draw(self, context: bpy.types.Context | None) -> None:
         pie: Any = self.layout.menu_pie()  # type: ignore[union-attr]  # Blender always sets it for drawing
-        pie.operator("radtex.export", text="Export…", icon="EXPORT")  # left
-        pie.operator("radtex.preview_toggle", icon="HIDE_OFF")  # right
-        pie.operator("radtex.compare", icon="IMAGE_REFERENCE")  # bottom
-        pie.operator("radtex.bake", icon="RENDER_STILL")  # top
+        found = _found(context)
+        first, *others = bake_buttons(found)
+        if found is not None and found.copies:
+            draw_buttons(pie, found, [first, *others], grey=False)
+            return
+        draw_action(pie, "radtex.export")  # left
+        draw_switch(pie, context.active_object if context is not None else None, large=False)  # right
+        draw_action(pie, "radtex.compare")  # bottom
+        draw_buttons(pie, found, [first], grey=False)  # top
+        draw_buttons(pie, found, others, grey=False)  # beside the top
+
+
+def _found(context: bpy.types.Context | None) -> Forecast | None:
+    """What the panel knows of the next bake, so that menus and panel say the same."""
+    if context is None or context.scene is None or context.view_layer is None:
+        return None
+    return cached_forecast(context.scene, context.view_layer)
 
 
 CLASSES = (RADTEX_MT_object, RADTEX_MT_pie)

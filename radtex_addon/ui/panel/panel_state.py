@@ -48,6 +48,19 @@ class ShownAsset(NamedTuple):
     texels: int
 
 
+class ShownCopy(NamedTuple):
+    """A chosen copy that shows a bake: its name, and that of its original.
+
+    `has_original` tells whether the original is in the scene, `bake` whether a bake is there to update the
+    copy from: "newer", "same", or "" if there is none.
+    """
+
+    name: str
+    original: str
+    has_original: bool
+    bake: str
+
+
 @dataclass(frozen=True)
 class Forecast:
     """What to expect of a bake of the chosen objects, and the most that any of them costs.
@@ -62,7 +75,8 @@ class Forecast:
     user chose the layout. `assets` are objects that touch and share an atlas; all objects have so many
     `atlases`, without counting parts and variants. `sizes` are lines on the size of each atlas, if that
     follows from a texel density. `not_baked` names selected objects that are no meshes, `left_out` meshes
-    that cannot be baked where others can.
+    that cannot be baked where others can. `copies` are the chosen objects where all of them are
+    copies that show a bake; then there is nothing to bake.
     """
 
     objects: tuple[str, ...]
@@ -87,6 +101,7 @@ class Forecast:
     sizes: tuple[str, ...] = ()
     assets: tuple[ShownAsset, ...] = ()
     atlases: int = 1
+    copies: tuple[ShownCopy, ...] = ()
 
     @property
     def chosen(self) -> tuple[str, ...]:
