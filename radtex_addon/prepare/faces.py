@@ -125,7 +125,7 @@ def find_two_sided(
     """
     seen, left_out = yield from seen_backs(scratch, originals, meshes, spec.backs)
     if left_out:
-        names = ", ".join(f"'{name}'" for name in left_out)
+        names = ", ".join(f"'{name}' ({count} triangles)" for name, count in left_out.items())
         log.warning(
             Message(
                 f"no camera can see the backs of {names}, which face the outside of a room or lie on "
@@ -134,6 +134,8 @@ def find_two_sided(
             )
         )
     if spec.uv_layer is None and spec.source is None:
+        if spec.backs is Backs.NONE:
+            yield from _tell_fronts_alone(meshes)
         return [faces if faces.any() else None for faces in seen]
     for mesh, faces in zip(meshes, seen, strict=True):
         if faces.any():
@@ -146,33 +148,48 @@ def find_two_sided(
     return [None] * len(meshes)
 
 
+def _tell_fronts_alone(meshes: Sequence[EvaluatedMesh]) -> Steps[None]:
+    """Warn of triangles that can be seen from behind, where it was chosen that no back gets texels."""
+    for mesh in meshes:
+        faces = yield from seen_from_behind_steps(mesh)
+        if faces.any():
+            log.warning(
+                Message(
+                    f"{np.count_nonzero(faces)} of {len(faces)} triangles of '{mesh.name}' can be seen from "
+                    "behind, and look there as from the front: only front sides are baked",
+                    (do("bake their backs, too", Setting.BACKS, value=Backs.AUTO),),
+                )
+            )
+
+
 def seen_backs(
     scratch: bpy.types.Scene,
     originals: Sequence[bpy.types.Object],
     meshes: Sequence[EvaluatedMesh],
     backs: Backs,
-) -> Steps[tuple[list[Bools], list[str]]]:
-    """Of each mesh the triangles (F,) whose backs are to be baked, and names of those that lost some.
+) -> Steps[tuple[list[Bools], dict[str, int]]]:
+    """Of each mesh the triangles (F,) whose backs are to be baked; by name, how many some meshes lost.
 
     The `meshes` are those of the scratch scene's `originals`; `backs` chooses. Yields progress.
     """
     if backs is Backs.NONE:
-        return [np.zeros(len(mesh.triangles), dtype=bool) for mesh in meshes], []
+        return [np.zeros(len(mesh.triangles), dtype=bool) for mesh in meshes], {}
     seen = []
     for mesh in meshes:
         faces = yield from seen_from_behind_steps(mesh)
         seen.append(faces)
     if backs is Backs.ALL or not any(faces.any() for faces in seen):
-        return seen, []
+        return seen, {}
     around = read_things(scratch, originals)
     baked = [Thing.of(Shape(mesh.position, mesh.triangles), mesh.matrix_world, {}) for mesh in meshes]
-    found, left_out = [], []
+    found: list[Bools] = []
+    left_out: dict[str, int] = {}
     for number, (mesh, faces) in enumerate(zip(meshes, seen, strict=True)):
         others = [*around, *baked[:number], *baked[number + 1 :]]
         needless = yield from needless_backs(baked[number], faces, others, 1 / metres_per_unit(scratch))
         found.append(faces & ~needless)
         if needless.any():
-            left_out.append(mesh.name)
+            left_out[mesh.name] = int(np.count_nonzero(faces & needless))
     return found, left_out
 
 

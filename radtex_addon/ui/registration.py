@@ -24,11 +24,12 @@ from .operators.job_operators import (
     RADTEX_OT_copy_report,
     RADTEX_OT_fold_job,
     RADTEX_OT_fold_map,
+    RADTEX_OT_go_on,
     RADTEX_OT_open_folder,
     RADTEX_OT_show_jobs,
     RADTEX_OT_tell_end,
 )
-from .operators.remedy_operator import RADTEX_OT_apply_remedy
+from .operators.remedy_operator import RADTEX_OT_apply_remedy, RADTEX_OT_fix_scale
 from .operators.scene_operator import RADTEX_OT_bake_scene
 from .operators.texels_operator import RADTEX_OT_show_texels
 from .panel import finished_panel, forecast, job_ends, list_panel, menus, panel_state
@@ -65,6 +66,7 @@ CLASSES = (
     RADTEX_OT_join_instances,
     RADTEX_OT_show_texels,
     RADTEX_OT_apply_remedy,
+    RADTEX_OT_fix_scale,
     RADTEX_OT_estimate,
     RADTEX_OT_cancel_estimate,
     RADTEX_OT_cancel,
@@ -73,6 +75,7 @@ CLASSES = (
     RADTEX_OT_copy_report,
     RADTEX_OT_fold_job,
     RADTEX_OT_fold_map,
+    RADTEX_OT_go_on,
     RADTEX_OT_open_folder,
     RADTEX_OT_tell_end,
     RADTEX_OT_show_jobs,
@@ -113,6 +116,7 @@ def register() -> None:
     preferences.register()
     panel_state.register(forecast.compute_forecast)
     seen_version.register()
+    jobs.register()
 
 
 def unregister() -> None:

@@ -19,6 +19,7 @@ from ..core.errors import BakeError
 from ..cycles.device import preferred_device
 from ..formats.disk.path_checks import one_root
 from ..formats.disk.regular import FOLDER, open_regular, other_kind
+from .kept_jobs import kept_folders
 from .order import Handover, Program
 from .unsaved_images import save_unsaved
 
@@ -129,7 +130,10 @@ def _sleeping_handlers() -> Iterator[None]:
 
 
 def _remove_left(root: Path) -> None:
+    kept = kept_folders(jobs_folder())
     for folder in root.glob(f"{_PREFIX}*"):
+        if folder.absolute() in kept:
+            continue
         with suppress(OSError):
             if time() - folder.stat().st_mtime > _LEFT:
                 shutil.rmtree(folder, ignore_errors=True)

@@ -17,13 +17,17 @@ _NOTHING = Message("")
 
 
 class JobState(StrEnum):
-    """The state of a job; the last three are final."""
+    """The state of a job; all but the first two are final, but that what is LEFT can be gone on with.
+
+    LEFT are jobs that waited or ran when their Blender ended.
+    """
 
     WAITING = "waiting"
     RUNNING = "running"
     DONE = "done"
     FAILED = "failed"
     CANCELLED = "cancelled"
+    LEFT = "left"
 
 
 @dataclass(frozen=True)
@@ -44,7 +48,8 @@ class Job:
     why the job failed. `picture` is the latest picture of what is done so far, `map` the UV map of a bake;
     the worker's folder has the pictures while it runs. `files` and `facts` are what the worker reported when
     it was done. `took`: seconds from its start to its end, None if it never started. `log`: the end of what
-    a failed worker said on standard error, such as a traceback.
+    a failed worker said on standard error, such as a traceback. `begun`: a worker worked on it, if it is left
+    maybe that of an earlier Blender.
     """
 
     number: int
@@ -62,6 +67,7 @@ class Job:
     facts: Mapping[str, Any] = field(default_factory=dict)
     took: float | None = None
     log: str = ""
+    begun: bool = False
 
     @property
     def work(self) -> Work:
@@ -111,6 +117,19 @@ class Job:
             message=message if message.problem else self.message,
             took=took,
         )
+
+    def left(self) -> Job:
+        """The job once its Blender has ended before it was done."""
+        return replace(self, state=JobState.LEFT, cancelling=False, seconds_left=None, picture=None, map=None)
+
+    def goes_on(self) -> Job:
+        """The job that is left, to be done after all; a bake that was begun is resumed."""
+        order = self.order
+        if self.begun and order.work is Work.BAKE:
+            order = replace(order, facts={**order.facts, "resume": True})
+        elif self.begun:  # an export: what there is of it was never finished
+            order = replace(order, facts={**order.facts, "overwrite": True})
+        return replace(self, order=order, state=JobState.WAITING, stage=None)
 
     def _progressed(self, stage: str, done: float, total: float, left: float | None) -> Job:
         here, past = self.order.stages.get(stage, 0.0), self._past(stage)

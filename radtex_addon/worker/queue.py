@@ -7,6 +7,7 @@ from __future__ import annotations
 import atexit
 import os
 import shutil
+from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -28,6 +29,10 @@ class _Entry:
     started: float | None = None  # of `monotonic`
 
 
+def _is_asked(job: Job, number: int | None) -> bool:
+    return job.number == number if number is not None else job.state is not JobState.LEFT
+
+
 class Queue:
     """Jobs, one after another. Call `advance` regularly, from one thread; only `close` waits.
 
@@ -41,6 +46,7 @@ class Queue:
         self._numbers = 0
         self._running: tuple[_Entry, Worker] | None = None
         self._last_sign = time()
+        self._leaves = False
         atexit.register(self.close)
 
     def add(self, order: Order) -> int:
@@ -48,6 +54,18 @@ class Queue:
         self._numbers += 1
         self._entries.append(_Entry(Job(self._numbers, order)))
         return self._numbers
+
+    def adopt(self, jobs: Iterable[Job]) -> None:
+        """Add an ended session's jobs, which have ended or are LEFT; they get numbers of their own."""
+        for job in jobs:
+            self._numbers += 1
+            self._entries.append(_Entry(replace(job, number=self._numbers)))
+
+    def go_on(self, number: int) -> None:
+        """Let a job that is LEFT wait for its turn."""
+        for entry in self._entries:
+            if entry.job.number == number and entry.job.state is JobState.LEFT:
+                entry.job = entry.job.goes_on()
 
     def advance(self) -> bool:
         """Read the worker's events, and start the next job if it has ended; returns whether any is left."""
@@ -70,9 +88,9 @@ class Queue:
         return tuple(entry.job for entry in self._entries)
 
     def cancel(self, number: int) -> None:
-        """Cancel a job that runs or waits; a running one is marked, and ends within two seconds."""
+        """Cancel a job that runs, waits or is left; a running one is marked, and ends within two seconds."""
         for entry in self._entries:
-            if entry.job.number == number and not entry.job.ended:
+            if entry.job.number == number and (not entry.job.ended or entry.job.state is JobState.LEFT):
                 self._cancel(entry)
 
     def cancel_all(self) -> None:
@@ -81,15 +99,24 @@ class Queue:
             self.cancel(job.number)
 
     def forget_ended(self, number: int | None = None) -> None:
-        """Remove ended jobs from the list, or only the one with that number."""
-        self._entries = [
-            entry for entry in self._entries if not entry.job.ended or number not in (None, entry.job.number)
-        ]
+        """Remove ended jobs from the list, but for those that are LEFT, or only the one with that number."""
+        gone = [entry for entry in self._entries if entry.job.ended and _is_asked(entry.job, number)]
+        self._entries = [entry for entry in self._entries if entry not in gone]
+        for entry in gone:
+            self._clear(entry.job.order.folder)
 
-    def close(self) -> None:
-        """Cancel all jobs and wait for their end, at most about two seconds."""
+    def close(self, *, leave: bool = False) -> None:
+        """Cancel all jobs and wait for their end, at most about two seconds.
+
+        With `leave` those that wait or run are LEFT, and so are their folders, for another session.
+        """
         atexit.unregister(self.close)
-        self.cancel_all()
+        self._leaves = leave
+        for entry in self._entries:
+            if leave and entry.job.state is JobState.WAITING:
+                entry.job = entry.job.left()
+        if not leave:
+            self.cancel_all()
         if self._running is not None:
             entry, worker = self._running
             worker.close()
@@ -108,7 +135,7 @@ class Queue:
             return
         self._running = entry, worker
         entry.started = monotonic()
-        entry.job = replace(entry.job, state=JobState.RUNNING)
+        entry.job = replace(entry.job, state=JobState.RUNNING, begun=True)
 
     def _hear(self, entry: _Entry, worker: Worker) -> None:
         for event in worker.events():
@@ -131,14 +158,21 @@ class Queue:
 
     def _end(self, entry: _Entry, state: JobState, message: Message) -> None:
         took = None if entry.started is None else monotonic() - entry.started
+        if self._leaves and state is JobState.CANCELLED and not entry.job.cancelling:
+            entry.job = entry.job.left()
+            return
         entry.job = entry.job.ends(state, message, took)
-        folder = entry.job.order.folder
+        self._clear(entry.job.order.folder)
+
+    def _clear(self, folder: Path) -> None:
+        """Delete a folder that no job needs any more."""
         if folder not in self._folders():
             shutil.rmtree(folder, ignore_errors=True)
 
     def _folders(self) -> set[Path]:
         """Folders that jobs still need."""
-        return {entry.job.order.folder for entry in self._entries if not entry.job.ended}
+        jobs = self.snapshot()
+        return {job.order.folder for job in jobs if not job.ended or job.state is JobState.LEFT}
 
     def _show_life(self) -> None:
         """Update the folders' times: other Blenders delete folders that look abandoned (`handover`)."""

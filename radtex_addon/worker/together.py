@@ -35,7 +35,13 @@ def together_of(jobs: Sequence[Job], spent: Mapping[int, float]) -> Together | N
     running = next((job for job in jobs if job.state is JobState.RUNNING and job.work is Work.BAKE), None)
     if running is None:
         return None
-    others = [job for job in jobs if job.work is Work.BAKE and job.order.folder == running.order.folder]
+    others = [
+        job
+        for job in jobs
+        if job.work is Work.BAKE
+        and job.order.folder == running.order.folder
+        and job.state is not JobState.LEFT
+    ]
     if len(others) < 2:
         return None
     whole = sum(job.order.seconds for job in others)

@@ -26,6 +26,7 @@ class RecordedLayout:
     def __init__(self) -> None:
         self.texts: list[str] = []
         self.settings: list[str] = []
+        self.menus: list[str] = []
         self.buttons: list[tuple[str, SimpleNamespace]] = []
 
     def label(self, **options: Any) -> None:
@@ -66,6 +67,12 @@ class RecordedLayout:
 
     def menu_pie(self) -> RecordedLayout:
         return self
+
+    def menu(self, name: str, **options: Any) -> None:
+        _check("menu", options)
+        assert hasattr(bpy.types, name), name
+        self.texts.append(options.get("text", ""))
+        self.menus.append(name)
 
     def box(self) -> RecordedLayout:
         return self

@@ -10,10 +10,11 @@ import bpy
 import pytest
 
 from radtex_addon.bake.progress import finished
-from radtex_addon.prepare.faces import seen_backs
+from radtex_addon.prepare.faces import find_two_sided, seen_backs
 from radtex_addon.scene.mesh.evaluated import evaluate
 from radtex_addon.scene.scratch import scratch_scene
 from radtex_addon.settings.choices import Backs
+from radtex_addon.settings.spec import BakeSpec
 from tests.blender import stage
 from tests.blender.plane_room import HIGH, LONG, WALLS, box, card, furniture, walls
 
@@ -40,6 +41,29 @@ def test_what_encloses_a_room_has_no_backs(without: tuple[str, ...]) -> None:
     assert kept("Rug", "Mirror") == {"Rug": 0.0, "Mirror": 0.0}
     assert kept("Floor", "Rug", backs=Backs.ALL) == {"Floor": 1.0, "Rug": 1.0}
     assert kept("Floor", "Rug", backs=Backs.NONE) == {"Floor": 0.0, "Rug": 0.0}
+
+
+def told_of(*names: str, backs: Backs, caplog: pytest.LogCaptureFixture) -> list[str]:
+    """What a bake warns of, of the backs of these objects."""
+    items = [bpy.data.objects[name] for name in names]
+    caplog.clear()
+    with scratch_scene(context.scene, None, []) as scratch:
+        meshes = [evaluate(scratch, item) for item in items]
+        finished(find_two_sided(scratch, items, meshes, BakeSpec(texels=64, backs=backs)))
+    return [record.getMessage() for record in caplog.records]
+
+
+def test_a_line_says_how_many_backs_of_which_objects_get_no_texels(caplog: pytest.LogCaptureFixture) -> None:
+    walls()
+    furniture()
+    (line,) = told_of("Floor", "Rug", backs=Backs.AUTO, caplog=caplog)
+    assert "the backs of 'Floor' (2 triangles), 'Rug' (2 triangles), which face" in line
+    lines = told_of("Floor", "Rug", backs=Backs.NONE, caplog=caplog)
+    assert [line.partition(" can be seen")[0] for line in lines] == [
+        "2 of 2 triangles of 'Floor'",
+        "2 of 2 triangles of 'Rug'",
+    ]
+    assert told_of("Floor", "Rug", backs=Backs.ALL, caplog=caplog) == []
 
 
 def test_the_planes_of_an_empty_room_have_no_backs_either() -> None:

@@ -105,7 +105,7 @@ def test_an_update_is_offered_until_it_is_dismissed(updated: None) -> None:
     assert preferences().seen_version == LATER
     assert context.preferences.is_dirty, "so that Blender saves it"
     assert not offered()
-    with pytest.raises(RuntimeError, match="context is incorrect"):
+    with pytest.raises(RuntimeError, match="were shown or dismissed already"):
         ops.radtex.dismiss_changes()
 
 

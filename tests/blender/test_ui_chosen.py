@@ -5,8 +5,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import bpy
@@ -20,13 +21,16 @@ from radtex_addon.ui.jobs import jobs
 from radtex_addon.ui.operators.export_sources import export_sources, place_for, submit
 from radtex_addon.ui.panel import panel_state
 from radtex_addon.ui.panel.draw_messages import left_out_of
+from radtex_addon.ui.panel.finished_panel import RADTEX_PT_afterwards
 from radtex_addon.ui.panel.jobs_panel import job_title
-from radtex_addon.ui.panel.main_panel import what_is_there
+from radtex_addon.ui.panel.list_panel import RADTEX_MT_settings_of
+from radtex_addon.ui.panel.main_panel import RADTEX_PT_bake, told_whose, what_is_there
 from radtex_addon.ui.panel.panel_state import Forecast, Next
 from radtex_addon.ui.settings.chosen_objects import chosen_by, chosen_names, told_names
-from radtex_addon.ui.settings.object_settings import by_settings
+from radtex_addon.ui.settings.object_settings import by_settings, edited_settings
 from radtex_addon.ui.settings.request import request_of, spec_of, values_of
 from tests.blender import stage
+from tests.blender.recorded_layout import RecordedLayout
 from tests.blender.ui_stage import context, finish_jobs, ops, registered, settings
 
 COUNT = 8
@@ -89,8 +93,8 @@ def test_what_has_no_object_says_what_to_do() -> None:
         ops.radtex.bake()
     plane("A")
     for source, words in (
-        ("collection", "No collection is chosen: choose one"),
-        ("list", "The bake list is empty: add objects to it"),
+        ("collection", "No collection is chosen: choose the one whose meshes are to be baked"),
+        ("list", "The bake list is empty: select objects and press its plus"),
     ):
         chosen_by(context.scene).source = source
         with pytest.raises(RuntimeError, match=words):
@@ -146,6 +150,165 @@ def test_own_settings_start_from_the_scenes_and_count_wherever_the_object_is_bak
         name: json.loads((out / f"{name}.radiance.json").read_text())["texels"] for name in ("Cup", "Plate")
     }
     assert sizes == {"Cup": [6, 6], "Plate": [8, 8]}
+
+
+def on_the_list(*items: Any) -> Any:
+    """The objects on the bake list, which is chosen; the last one is active, and the last row is marked."""
+    bpy.ops.object.select_all(action="DESELECT")
+    choice = chosen_by(context.scene)
+    choice.source = "list"
+    for item in items:
+        choice.listed.add().item = item
+    choice.active = len(items) - 1
+    context.view_layer.objects.active = items[-1]
+    return choice
+
+
+def drawn(panel: Any) -> RecordedLayout:
+    seen()
+    layout = RecordedLayout()
+    panel.draw(SimpleNamespace(layout=layout), context)
+    return layout
+
+
+def whose() -> str:
+    """The panel's line on whose settings it shows."""
+    (line,) = [text for text in drawn(RADTEX_PT_bake).texts if "ettings" in text and "Own" not in text]
+    return line
+
+
+def test_the_marked_row_of_the_list_says_whose_settings_are_shown() -> None:
+    cup, plate, jug = plane("Cup"), plane("Plate"), plane("Jug")
+    choice = on_the_list(cup, plate, jug)
+    cup.radtex.use, plate.radtex.use = True, True
+    cup.radtex.texels = 16
+    names = chosen()
+    assert edited_settings(context.scene, jug, names) == settings(), "the scene's, of the marked jug"
+    choice.active = 0
+    assert edited_settings(context.scene, jug, names) == cup.radtex
+    assert ops.radtex.preset_apply(name="final") == {"FINISHED"}
+    assert (cup.radtex.texels, plate.radtex.texels, settings().texels) == (256, 4, 4)
+    choice.listed[0].use = False  # not baked: the active object counts then, if that is
+    context.view_layer.objects.active = plate
+    assert edited_settings(context.scene, plate, chosen()) == plate.radtex
+    choice.source = "selection"
+    assert edited_settings(context.scene, plate, ("Cup", "Plate")) == plate.radtex
+
+
+def test_one_line_says_whose_settings_are_shown_and_a_menu_goes_to_the_others() -> None:
+    cup, plate, jug = plane("Cup"), plane("Plate"), plane("Jug")
+    assert whose() == "Scene's settings"
+    choice = on_the_list(cup, plate, jug)
+    assert drawn(RADTEX_PT_bake).menus == []
+    cup.radtex.use = True
+    assert whose().startswith("Scene's settings; 1 of 3")
+    assert drawn(RADTEX_PT_bake).menus == ["RADTEX_MT_settings_of"]
+    menu = drawn(RADTEX_MT_settings_of)
+    assert menu.texts == ["Cup", "Scene's settings: Plate and 1 more"]
+    for row, line in ((0, "Settings of Cup"), (1, "Scene's settings; 1 of 3")):
+        (name, arguments) = menu.buttons[row]
+        assert name == "radtex.show_settings"
+        assert ops.radtex.show_settings(**vars(arguments)) == {"FINISHED"}
+        assert (choice.active, whose().startswith(line)) == (row, True)
+    choice.source = "selection"
+    for item in (cup, plate, jug):
+        item.select_set(True)
+    assert ops.radtex.show_settings(object="Cup") == {"FINISHED"}
+    assert (context.view_layer.objects.active, len(chosen())) == (cup, 3)
+    cup.name = "Mug"
+    assert whose().startswith("Settings of Mug")
+
+
+def test_settings_of_what_is_not_there_are_refused_by_name() -> None:
+    cup, plate = plane("Cup"), plane("Plate")
+    on_the_list(cup)
+    with pytest.raises(RuntimeError, match="'Plate' is not on the bake list: add it first"):
+        ops.radtex.show_settings(object="Plate")
+    chosen_by(context.scene).source = "selection"
+    with pytest.raises(RuntimeError, match="has no object 'Spoon': name another"):
+        ops.radtex.show_settings(object="Spoon")
+    assert context.view_layer.objects.active == cup
+    assert plate.name in context.view_layer.objects
+
+
+def test_the_names_of_the_longest_line_that_fits_are_told() -> None:
+    objects = tuple(f"Tile {number}" for number in range(8))
+    assert told_whose(None, objects, objects[:2])[0] == (
+        "Scene's settings; 2 of 8 objects have their own: Tile 0, Tile 1"
+    )
+    assert told_whose("Tile 1", objects, objects[:2]) == (
+        "Settings of Tile 1, 1 of 8 objects",
+        "Settings of Tile 1",
+    )
+    assert told_whose(None, objects[:1], objects[:1]) == ("Scene's settings; Tile 0 has its own",)
+
+
+def no_collection() -> None:
+    chosen_by(context.scene).source = "collection"
+
+
+def empty_list() -> None:
+    chosen_by(context.scene).source = "list"
+
+
+def never_saved() -> None:
+    plane("Cup")
+    settings().directory = "//x"
+
+
+def no_such_layer() -> None:
+    plane("Cup")
+    settings().uv_layer = "none such"
+
+
+def empty_collection() -> None:
+    chosen_by(context.scene).source = "collection"
+    chosen_by(context.scene).collection = bpy.data.collections.new("Nothing")
+
+
+def unticked() -> None:
+    on_the_list(plane("Cup")).listed[0].use = False
+
+
+def deleted() -> None:
+    on_the_list(plane("Cup"), plane("Plate"))
+    for name in ("Cup", "Plate"):
+        bpy.data.objects.remove(bpy.data.objects[name])
+    plane("Jug")
+
+
+def only_a_lamp() -> None:
+    bpy.ops.object.select_all(action="DESELECT")
+    bpy.ops.object.light_add()
+
+
+def only_hidden() -> None:
+    plane("Cup").hide_render = True
+
+
+@pytest.mark.parametrize(
+    ("state", "words"),
+    [
+        (no_collection, "No collection is chosen"),
+        (empty_collection, "Collection 'Nothing' has no mesh that is seen in renders: choose another"),
+        (empty_list, "The bake list is empty: select"),
+        (unticked, "No object of the bake list is ticked: tick those to bake"),
+        (deleted, "The objects of the bake list were deleted: take them off"),
+        (only_a_lamp, "' is a light, and has no surface to bake"),
+        (only_hidden, "'Cup' is hidden from render"),
+        (never_saved, "This file was never saved"),
+        (
+            no_such_layer,
+            "has no UV layer 'none such'",
+        ),
+    ],
+)
+def test_a_grey_button_has_its_reason_in_the_panel(state: Callable[[], object], words: str) -> None:
+    state()
+    assert seen().next is Next.NOTHING
+    assert words in " ".join(" ".join(drawn(RADTEX_PT_bake).texts).split())
+    if not seen().objects:
+        assert drawn(RADTEX_PT_afterwards).texts[-1], "the buttons for finished bakes are grey, too"
 
 
 def test_presets_change_the_settings_that_the_panel_shows() -> None:

@@ -7,7 +7,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import get_type_hints
+from types import SimpleNamespace
+from typing import Any, get_type_hints
 
 import bpy
 import pytest
@@ -20,13 +21,16 @@ from radtex_addon.settings.estimate import Basis
 from radtex_addon.settings.spec import BakeSpec
 from radtex_addon.ui.operators.bake_operator import RADTEX_OT_bake
 from radtex_addon.ui.panel import panel_state
-from radtex_addon.ui.panel.cost_panel import figures, told_basis
+from radtex_addon.ui.panel.cost_panel import RADTEX_PT_cost, figures, told_basis, told_made
+from radtex_addon.ui.panel.draw_messages import draw_remarks
+from radtex_addon.ui.panel.labels import size
 from radtex_addon.ui.panel.main_panel import what_is_there
 from radtex_addon.ui.panel.panel_state import Forecast, Next
 from radtex_addon.ui.registration import CLASSES
 from radtex_addon.ui.settings.request import spec_of, values_of
 from tests.blender import stage
 from tests.blender.fingerprint import differences, fingerprint
+from tests.blender.recorded_layout import RecordedLayout
 from tests.blender.ui_stage import context, ops, registered, settings
 
 
@@ -121,6 +125,108 @@ def test_what_settles_a_refusal_is_known(tmp_path: Path) -> None:
     (out / "Card.web").mkdir()
     (out / "Card.web" / "mine.txt").touch()
     assert (seen().next, len(seen().errors)) == (Next.NOTHING, 1)  # the export would be refused all the same
+
+
+def test_what_is_made_where_and_how_large_is_told_for_all_that_is_chosen(tmp_path: Path) -> None:
+    plane("Cup")
+    plane("Jug")
+    context.object.radtex.use = True
+    context.object.radtex.texels, context.object.radtex.bucket = 8, 2
+    context.object.radtex.directory = str(tmp_path / "hero")
+    bpy.data.objects["Cup"].select_set(True)
+    settings().texels, settings().bucket = 16, 2
+    found = seen()
+    assert {one.name: (one.texels, one.folder.name) for one in found.made} == {
+        "Cup": (16, "out"),
+        "Jug": (8, "hero"),
+    }
+    disk = sum(2 * 4 * (texels * 2) ** 2 for texels in (16, 8))  # four half floats a cell
+    assert told_made(found) == [
+        f"2 textures, at most {size(disk)} on disk",
+        f"in {tmp_path / 'out'}",
+        "Cup: 16 × 16 texels",
+        f"in {tmp_path / 'hero'}",
+        "Jug: 8 × 8 texels",
+    ]
+    context.object.radtex.use = False
+    settings().variants, settings().frames = "frames", "1-3"
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "kitchen.blend"))
+    frames = told_made(seen())
+    assert frames[:2] == [f"6 textures, at most {size(6 * 2 * 4 * 32**2)} on disk", "in //out"]
+    layout = RecordedLayout()
+    RADTEX_PT_cost.draw(SimpleNamespace(layout=layout), context)  # type: ignore[arg-type]  # of a panel this is all
+    assert "Cup: 16 × 16 texels" in layout.texts
+    many = replace(found, made=(found.made[0],) * 20, unseen=5, bakes=0)
+    assert (len(told_made(many)), told_made(many)[-1]) == (2 + 12 + 1, "and 13 more")
+
+
+def lines() -> list[str]:
+    """What the panel knows of warnings, in its words."""
+    return [str(told) for told in seen().warnings]
+
+
+def test_negative_and_uneven_scales_are_notes_and_no_errors(tmp_path: Path) -> None:
+    settings().directory = str(tmp_path)
+    plane()
+    context.object.scale = (-1, 1, 1)
+    context.view_layer.update()
+    assert lines() == ["'Card' has a negative scale: baked as it looks, nothing needs to be applied"]
+    plane("Post")
+    context.object.scale = (1, 1, 4)
+    bpy.data.objects["Card"].select_set(True)
+    bpy.data.objects["Card"].scale = (1, 2, 1)
+    context.view_layer.update()
+    (line,) = lines()
+    assert line.startswith("'Card' and 1 more have uneven scales, not applied: baked as it looks")
+    assert (seen().errors, seen().next) == ((), Next.BAKE)
+    bpy.ops.object.transform_apply(location=False, rotation=False)
+    assert lines() == []
+
+
+def scale_of(name: str) -> Any:
+    return bpy.data.objects[name].scale
+
+
+def test_what_is_flat_is_told_at_once_and_a_button_mends_it(tmp_path: Path) -> None:
+    settings().directory = str(tmp_path)
+    plane()
+    context.object.scale = (1, 0, 1)
+    context.view_layer.update()
+    assert (seen().next, seen().flat) == (Next.NOTHING, ("Card",))
+    assert "is scaled to nothing along an axis" in str(seen().errors[0])
+    layout = RecordedLayout()
+    draw_remarks(layout, context.scene, settings(), seen())
+    (button,) = [arguments for name, arguments in layout.buttons if name == "radtex.fix_scale"]
+    plane("Other")
+    bpy.data.objects["Card"].select_set(True)
+    assert ([one.name for one in seen().left_out], seen().flat) == (["Card"], ("Card",))
+    bpy.ops.ed.undo_push(message="before")
+    assert ops.radtex.fix_scale(**vars(button)) == {"FINISHED"}
+    assert tuple(scale_of("Card")) == (1, 1, 1)
+    assert (seen().left_out, seen().flat, seen().next) == ((), (), Next.BAKE)
+    bpy.ops.ed.undo()
+    assert tuple(scale_of("Card")) == (1, 0, 1)
+
+
+def test_a_scale_that_cannot_be_set_is_said_and_a_parents_gets_no_button(tmp_path: Path) -> None:
+    settings().directory = str(tmp_path)
+    plane()
+    card: Any = context.object
+    card.driver_add("scale", 1).driver.expression = "0"
+    context.view_layer.update()
+    assert seen().flat == ("Card",)
+    with pytest.raises(RuntimeError, match="scale of 'Card' stays 0: drivers or animation set it"):
+        ops.radtex.fix_scale()
+    card.driver_remove("scale", 1)
+    card.scale = (1, 1, 1)
+    bpy.ops.object.empty_add()
+    context.object.scale = (1, 0, 1)
+    card.parent = context.object
+    context.view_layer.objects.active = card
+    card.select_set(True)
+    context.view_layer.update()
+    assert "is scaled to nothing along an axis" in str(seen().errors[0])
+    assert seen().flat == ()
 
 
 def test_bakes_that_are_shown_are_known(tmp_path: Path) -> None:

@@ -8,7 +8,18 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from time import monotonic
 
-from tests.real.panel import CROSS, LONG, SHORT, WORKER, choose, latest, press, wait_for, wait_for_end
+from tests.real.panel import (
+    CROSS,
+    LONG,
+    SHORT,
+    WORKER,
+    choose,
+    latest,
+    press,
+    start_again,
+    wait_for,
+    wait_for_end,
+)
 from tests.real.window import Window, changed, wait_until
 
 AWAY = 500, 600  # a place in the 3D view
@@ -86,13 +97,22 @@ def test_a_killed_worker_is_a_message_and_goes_on_by_resume(window: Window) -> N
     assert told.state == "done", told.message
 
 
-def test_quitting_blender_leaves_no_process(window: Window) -> None:
-    choose(window, **LONG, overwrite=True)
+def test_quitting_blender_leaves_no_process_and_the_next_start_goes_on(window: Window) -> None:
+    choose(window, **LONG, directory="//quit/")
     press(window)
     wait_for(window, 0.1)
     assert window.processes(WORKER)
     (window.folder / "ask.py").write_text("bpy.app.timers.register(bpy.ops.wm.quit_blender)")
     wait_until(lambda: not window.processes("blender"), 10, "Blender or its worker is left")
+    assert list((window.folder / "home").rglob("radtex-list-*.json")), "the list is kept"
+    start_again(window, "")
+    wait_until(lambda: latest(window).state == "left", 20, "the next Blender does not show the bake")
+    window.show_tab("RadTex")
+    window.shot("left")
+    window.click(*window.find("radtex.go_on("))
+    wait_until(lambda: latest(window).state == "running", 20, "it does not go on")
+    told = wait_for_end(window, 280)
+    assert told.state == "done", told.message
     assert list((window.folder / "home").rglob("radtex-job-*")) == []
 
 

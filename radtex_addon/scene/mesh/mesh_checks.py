@@ -89,6 +89,13 @@ def check_matrix(name: str, matrix: Floats) -> None:
         raise InputError(f"object '{name}' is scaled to nothing along an axis: give every axis a scale")
 
 
+def scale_in_world(layer: bpy.types.ViewLayer, item: bpy.types.Object) -> tuple[Floats, bool]:
+    """The length of each axis (3,) of an object in the world, as viewports have it, and if it is mirrored."""
+    shown = item if layer.depsgraph is None else item.evaluated_get(layer.depsgraph)
+    matrix = np.array(shown.matrix_world, dtype=np.float64)[:3, :3]
+    return np.linalg.norm(matrix, axis=0), bool(np.linalg.det(matrix) < 0)
+
+
 def check_area(name: str, positions: Floats, triangles: Ints) -> None:
     """Raise InputError if no triangle (F, 3) of vertices (V, 3), in world space, has an area."""
     if not areas_on_surface(positions, triangles).any():

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import atexit
 import logging
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
@@ -22,15 +23,19 @@ from .bake_times import BakedScene
 from .repeated_exports import RepeatedExports
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from ...job.bake_plan import BakePlan
     from ...job.variants import Bake
     from ...worker.job import Job
+    from ...worker.kept_jobs import KeptJobs
     from ...worker.order import Order
     from ...worker.queue import Queue
     from ...worker.together import Together
     from ..settings.bake_settings import BakeSettings
 
 _log = logging.getLogger(__name__)
+_START = 1.0  # seconds after Blender's start, or RadTex's, until earlier sessions' jobs are looked for
 _PULSE = 0.5  # seconds between two polls of the workers, and so at least between two redraws for them
 
 
@@ -59,7 +64,7 @@ class _Session:
     each began, on the monotonic clock, `scenes` those of bakes to what is remembered of their scene,
     `repeats` those of bakes that have not ended to the exports that follow them, and `folded` those that were
     folded or unfolded by hand to which of both. `untold` are the numbers of jobs that have ended while others
-    were left to do.
+    were left to do. `kept` is the list for the next session, None without a window.
     """
 
     queue: Queue | None = None
@@ -70,9 +75,83 @@ class _Session:
     repeats: dict[int, RepeatedExports] = field(default_factory=dict)
     folded: dict[int, bool] = field(default_factory=dict)
     untold: set[int] = field(default_factory=set)
+    kept: KeptJobs | None = None
 
 
 _session = _Session()
+
+
+def register() -> None:
+    """With a window: look soon for jobs of sessions that have ended, and keep the list of this one."""
+    if not bpy.app.background:
+        bpy.app.timers.register(_take_over, first_interval=_START)
+
+
+def take_over(folder: Path) -> None:
+    """Show the jobs that ended sessions left in `folder`, and keep this session's there from now on."""
+    from ...version import VERSION
+    from ...worker.kept_jobs import KeptJobs, left_lists
+
+    made_by = f"RadTex {VERSION}, Blender {bpy.app.version[0]}.{bpy.app.version[1]}"
+    _session.kept = KeptJobs(folder, made_by)
+    queue = _queue()
+    atexit.register(_end_session)  # before the queue's own end, which would cancel all
+    lists = list(left_lists(folder, made_by))
+    for left in lists:
+        queue.adopt(left.jobs)
+    advance()
+    for left in lists:
+        left.remove()
+    for job in _session.shown:
+        if job.state == "done":
+            job_files.note(job)
+    if lists:
+        look_at_files()
+        redraw()
+    _keep()
+
+
+def _take_over() -> None:
+    from ...worker.handover import jobs_folder
+
+    take_over(jobs_folder())
+
+
+def left(number: int | None = None) -> tuple[Job, ...]:
+    """Jobs that an ended session left and that can be gone on with: all, or the one with that number.
+
+    Not those whose bake a later job has made, or goes on with.
+    """
+    return tuple(
+        job
+        for job in _session.shown
+        if job.state == "left" and number in (None, job.number) and not is_superseded(job)
+    )
+
+
+def is_superseded(job: Job) -> bool:
+    """Whether a later job is about the same, into the same folder."""
+    return any(other.number > job.number and _subject(other) == _subject(job) for other in _session.shown)
+
+
+def _subject(job: Job) -> tuple[object, ...]:
+    """What is baked, and into which folder."""
+    order = job.order
+    return order.work, order.object, order.shared, order.about, order.part, order.variant, order.out
+
+
+def go_on(number: int | None = None) -> None:
+    """Queue the jobs that are `left` again."""
+    for job in left(number):
+        _queue().go_on(job.number)
+    _look()
+    panel_state.mark_stale()  # their objects are being baked now
+
+
+def _keep(*, always: bool = False) -> None:
+    """Write the list for the next session, if it has changed."""
+    if _session.kept is not None:
+        _session.kept.write(_session.shown, always=always)
 
 
 def submit(scene: bpy.types.Scene, plans: Sequence[BakePlan], names: Sequence[str] = ()) -> float:
@@ -196,7 +275,7 @@ def is_folded(job: Job) -> bool:
         return _session.folded[job.number]
     if job.state in ("running", "failed"):
         return False
-    return job.state == "waiting" or any(
+    return job.state in ("waiting", "left") or any(
         other.ended and other.number > job.number for other in _session.shown
     )
 
@@ -263,6 +342,7 @@ def advance() -> bool:
     for job in ended:
         job_files.note(job)
     look_at_files()
+    _keep()
     for job in ended:
         _remember(job, now)
         if job.state == "done" and job.number in _session.completions:
@@ -319,11 +399,12 @@ def _remember(job: Job, now: float) -> None:
 
 
 def unregister() -> None:
-    """End all workers and clear the state."""
-    if bpy.app.timers.is_registered(_pulse):
-        bpy.app.timers.unregister(_pulse)
-    if _session.queue is not None:
-        _session.queue.close()
+    """End all workers, leave what they had to do to the next session, and clear the state."""
+    for timer in (_pulse, _take_over):
+        if bpy.app.timers.is_registered(timer):
+            bpy.app.timers.unregister(timer)
+    _end_session()
+    atexit.unregister(_end_session)
     for completion in _session.completions.values():
         completion.clean_up()
     _session.queue, _session.shown = None, ()
@@ -335,6 +416,17 @@ def unregister() -> None:
     _session.untold.clear()
     job_files.unregister()
     pictures.unregister()
+
+
+def _end_session() -> None:
+    """End the worker, and leave the list to the next session if it is kept; also when Python ends."""
+    if _session.queue is not None:
+        _session.queue.close(leave=_session.kept is not None)
+        _session.shown = _session.queue.snapshot()
+        _keep(always=True)
+    if _session.kept is not None:
+        _session.kept.close()
+    _session.kept = None
 
 
 def _queue() -> Queue:

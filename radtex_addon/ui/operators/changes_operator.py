@@ -73,7 +73,10 @@ class RADTEX_OT_dismiss_changes(bpy.types.Operator):
 
     @classmethod
     def poll(cls, _: bpy.types.Context | None) -> bool:
-        return news()
+        if not news():
+            cls.poll_message_set("The changes of this version were shown or dismissed already")
+            return False
+        return True
 
     def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
         mark_seen()

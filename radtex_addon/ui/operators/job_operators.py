@@ -95,7 +95,7 @@ class RADTEX_OT_clear_jobs(bpy.types.Operator):
 
     @classmethod
     def poll(cls, _: bpy.types.Context | None) -> bool:
-        if not any(job.ended for job in jobs.snapshot()):
+        if not any(job.ended for job in jobs.snapshot()):  # also those that are left, one by one
             cls.poll_message_set("No bake on the list has ended")
             return False
         return True
@@ -109,6 +109,40 @@ class RADTEX_OT_clear_jobs(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
         jobs.forget_ended(self.number or None)
+        redraw()
+        return {"FINISHED"}
+
+
+class RADTEX_OT_go_on(bpy.types.Operator):
+    """Do what an earlier Blender left when it ended: what it had begun is resumed, whichever file is open"""
+
+    bl_idname = "radtex.go_on"
+    bl_label = "Go On"
+    bl_options = {"INTERNAL"}
+
+    if TYPE_CHECKING:
+        number: int
+    else:
+        number: IntProperty(
+            name="Number",
+            description="The job's number; 0 goes on with all that are left",
+            default=0,
+            min=0,
+            options={"SKIP_SAVE"},
+        )
+
+    @classmethod
+    def poll(cls, _: bpy.types.Context | None) -> bool:
+        if not jobs.left():
+            cls.poll_message_set("No bake was left by a Blender that has ended")
+            return False
+        return True
+
+    def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
+        if not jobs.left(self.number or None):
+            self.report({"ERROR"}, f"Job {self.number} was not left: only those can be gone on with")
+            return {"CANCELLED"}
+        jobs.go_on(self.number or None)
         redraw()
         return {"FINISHED"}
 

@@ -7,10 +7,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, cast
 
 import bpy
-from bpy.props import EnumProperty
+from bpy.props import EnumProperty, StringProperty
 
 from ..panel.panel_state import mark_stale
 from ..settings.chosen_objects import chosen_by, selected_meshes
+from .bake_lookup import in_object_mode
 from .bake_operator import shown
 from .undo import push_step
 
@@ -119,6 +120,47 @@ class RADTEX_OT_list_clear(_OnRow, bpy.types.Operator):
         chosen = chosen_by(shown(context)[0])
         chosen.listed.clear()
         chosen.active = 0
+        return _done(self.bl_label)
+
+
+class RADTEX_OT_show_settings(bpy.types.Operator):
+    """Show the settings by which the object is baked: it is marked in the bake list, or made active"""
+
+    bl_idname = "radtex.show_settings"
+    bl_label = "Show Settings"
+    bl_options = {"REGISTER", "INTERNAL"}  # pushes its own undo step: see undo.py
+
+    if TYPE_CHECKING:
+        object: str
+    else:
+        object: StringProperty(
+            name="Object",
+            description="Name of the object whose settings the panel shows then",
+            options={"SKIP_SAVE"},
+        )
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context | None) -> bool:
+        return chosen_by(shown(context)[0]).source == "list" or in_object_mode(cls, context)
+
+    def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
+        from ...preview.swap import copy_of, original_of
+
+        scene, layer = shown(context)
+        chosen = chosen_by(scene)
+        if chosen.source == "list":
+            items = [row.item and (original_of(row.item) or row.item) for row in chosen.listed]
+            rows = [number for number, item in enumerate(items) if item and item.name == self.object]
+            if not rows:
+                self.report({"ERROR"}, f"'{self.object}' is not on the bake list: add it first")
+                return {"CANCELLED"}
+            chosen.active = rows[0]
+            return _done(self.bl_label)
+        item = layer.objects.get(self.object)
+        if item is None:
+            self.report({"ERROR"}, f"view layer '{layer.name}' has no object '{self.object}': name another")
+            return {"CANCELLED"}
+        layer.objects.active = copy_of(item) or item
         return _done(self.bl_label)
 
 

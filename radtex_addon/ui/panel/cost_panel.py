@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import bpy
@@ -16,8 +17,10 @@ from .main_panel import Sidebar, drawn
 if TYPE_CHECKING:
     from ...settings.cost import Cost
     from ...settings.estimate import Basis
+    from .panel_state import Forecast
 
 
+_NAMED = 12  # most atlases that have a line each
 _BASES = {
     "baked": "from earlier bakes of it",
     "measured": "measured",
@@ -39,6 +42,8 @@ class RADTEX_PT_cost(Sidebar, bpy.types.Panel):
             known = found is not None
             draw_text(layout, iface_("Not known for these settings" if known else "Working it out"))
             return
+        for line in told_made(found):
+            draw_text(layout, line, "BLANK1")
         if found.atlases > 1:
             draw_text(layout, iface_("For each object, at most:"))
         shown = figures(found.cost)
@@ -52,6 +57,38 @@ class RADTEX_PT_cost(Sidebar, bpy.types.Panel):
         _draw_button(layout)
         if failed := estimates.message():
             draw_text(layout, remark(failed), "ERROR")
+
+
+def told_made(found: Forecast) -> list[str]:
+    """What the bake makes, where, and how large all of it is at most; the first atlases by name."""
+    if not found.made:
+        return []
+    count = max(found.bakes, len(found.made) + found.unseen)
+    whole = sum(one.disk for one in found.made)
+    if found.unseen:
+        whole += found.unseen * max(one.disk for one in found.made)
+    lines = [
+        iface_("1 texture, at most {} on disk").format(size(whole))
+        if count == 1
+        else iface_("{} textures, at most {} on disk").format(count, size(whole))
+    ]
+    left = _NAMED
+    for folder in dict.fromkeys(one.folder for one in found.made):
+        lines.append(iface_("in {}").format(_shown_folder(folder)))
+        shown = [one for one in found.made if one.folder == folder][:left]
+        left -= len(shown)
+        lines += [iface_("{}: {} × {} texels").format(one.name, one.texels, one.texels) for one in shown]
+    if more := len(found.made) + found.unseen - (_NAMED - left):
+        lines.append(iface_("and {} more").format(more))
+    return lines
+
+
+def _shown_folder(folder: Path) -> str:
+    """The folder as short as can be: beside the .blend without what both have in common."""
+    home = Path(bpy.data.filepath).parent
+    if bpy.data.filepath and folder.is_relative_to(home):
+        return f"//{folder.relative_to(home).as_posix()}"
+    return str(folder)
 
 
 def told_time(seconds: float) -> str:

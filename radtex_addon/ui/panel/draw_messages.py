@@ -39,6 +39,14 @@ def draw_remarks(layout: Any, scene: bpy.types.Scene, settings: BakeSettings, fo
         _draw_offers(box, scene, message, found)
     for message in left_out_of(found):
         draw_text(layout.box(), remark(message, found.folder), "INFO")
+    if found.flat:
+        text = (
+            iface_("Set Zero Scale to 1")
+            if len(found.flat) == 1
+            else iface_("Set {} Zero Scales to 1").format(len(found.flat))
+        )
+        button = layout.operator("radtex.fix_scale", text=text, translate=False)
+        button.objects = "\n".join(found.flat)
     for other in found.not_baked:
         box = layout.box()
         draw_text(box, other.text, "INFO")

@@ -15,8 +15,9 @@ from ..operators.compare_operator import RADTEX_OT_compare, RADTEX_OT_show_compa
 from ..operators.export_operator import RADTEX_OT_export
 from ..operators.preview_operator import RADTEX_OT_preview_toggle
 from ..operators.switch import draw_layers, draw_shading, draw_switch
+from ..settings.chosen_objects import nothing_chosen
 from .fitting import draw_button, draw_text
-from .labels import iface_
+from .labels import capitalized, iface_
 from .main_panel import Sidebar, drawn
 from .next_buttons import draw_action
 from .panel_state import Forecast, Next
@@ -45,7 +46,7 @@ class RADTEX_PT_afterwards(Sidebar, bpy.types.Panel):
         layout: Any = self.layout
         found = drawn(self, context)[2]
         layout.use_property_split = False
-        item = context.active_object if context is not None else None
+        item, scene = (context.active_object, context.scene) if context is not None else (None, None)
         nothing = found is not None and nothing_is_baked(found, item)
         if found is not None and found.copies:
             draw_text(layout, iface_("These are for the bake's object: select the original"), "INFO")
@@ -62,6 +63,8 @@ class RADTEX_PT_afterwards(Sidebar, bpy.types.Panel):
         draw_layers(whole, item)
         if nothing:
             draw_text(layout, iface_("Nothing of it is baked yet"), "INFO")
+        elif found is not None and not (found.objects or found.copies) and scene is not None:
+            draw_text(layout, capitalized(iface_(nothing_chosen(scene))), "INFO")
 
 
 def nothing_is_baked(found: Forecast, item: bpy.types.Object | None) -> bool:

@@ -12,7 +12,7 @@ import bpy
 
 from ..settings.chosen_objects import chosen_by, chosen_names, selected_meshes
 from .not_baked import not_baked
-from .panel_state import Forecast, Next, ShownAsset, ShownCopy
+from .panel_state import Forecast, Made, Next, ShownAsset, ShownCopy
 
 if TYPE_CHECKING:
     from ...job.bake_request import BakeRequest
@@ -32,8 +32,8 @@ def compute_forecast(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) ->
     from ...preview.swap import is_on
     from ..jobs.jobs import is_being_baked, look_at_files
     from ..settings.baked_groups import baked_groups
-    from ..settings.object_settings import settings_for
-    from .request_checks import sort_out
+    from ..settings.object_settings import own_settings, settings_for
+    from .request_checks import scale_notes, sort_out
 
     look_at_files()
     if copies := _copies(scene, view_layer):
@@ -56,7 +56,10 @@ def compute_forecast(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) ->
         found = replace(found, errors=(), next=Next.WAIT)
     shown = tuple(name for name in free if is_on(scene.objects[name]))
     others = not_baked(_selected(scene, view_layer))
-    return replace(found, objects=names, busy=busy, shown=shown, not_baked=others, left_out=left_out)
+    notes = scale_notes(view_layer, [scene.objects[name] for name in names], _PATIENCE)
+    found = replace(found, warnings=(*found.warnings, *notes), flat=_flat(scene, left_out))
+    own = tuple(name for name in names if own_settings(scene.objects.get(name)) is not None)
+    return replace(found, objects=names, busy=busy, shown=shown, not_baked=others, left_out=left_out, own=own)
 
 
 def _of_none(
@@ -74,7 +77,22 @@ def _of_none(
     found = _of_group(scene, BakedGroup(values_of(settings_for(scene, chosen[0])), ()), _PATIENCE)
     errors = dict.fromkeys((*found.errors, *reasons(left_out)))
     others = not_baked(_selected(scene, view_layer))
-    return replace(found, objects=chosen, errors=tuple(errors), next=Next.NOTHING, not_baked=others)
+    return replace(
+        found,
+        objects=chosen,
+        errors=tuple(errors),
+        next=Next.NOTHING,
+        not_baked=others,
+        flat=_flat(scene, left_out),
+    )
+
+
+def _flat(scene: bpy.types.Scene, left_out: Sequence[LeftOut]) -> tuple[str, ...]:
+    """Those of the objects that are left out whose own scale is 0 along an axis."""
+    from ..operators.remedy_operator import has_zero_scale
+
+    items: list[bpy.types.Object | None] = [scene.objects.get(one.name) for one in left_out]
+    return tuple(item.name for item in items if item is not None and has_zero_scale(item))
 
 
 def _copies(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> tuple[ShownCopy, ...]:
@@ -141,7 +159,24 @@ def _of_group(scene: bpy.types.Scene, group: BakedGroup, patience: float) -> For
     if found.seconds is not None and not found.errors:
         found = replace(found, seconds=found.seconds * _count_of_variants(scene, request))
     unseen = 0 if spec.objects else max(len(names) - len(chosen), 0)
-    return replace(found, folder=request.folder, sizes=told_sizes(scene, chosen, request.folder, unseen))
+    return replace(
+        found,
+        folder=request.folder,
+        sizes=told_sizes(scene, chosen, request.folder, unseen),
+        made=_made(chosen, request, max(found.bakes // max(group.atlases, 1), 1)),
+        unseen=unseen,
+    )
+
+
+def _made(chosen: Chosen, request: BakeRequest, times: int) -> tuple[Made, ...]:
+    """The atlases that a request makes; each is baked so many `times`, such as once for each frame."""
+    from ...forms import cost_of
+
+    return tuple(
+        Made(name, choice.spec.texels, cost_of(choice.spec).disk * times, request.folder)
+        for name, choice in chosen
+        if name
+    )
 
 
 def _count_of_variants(scene: bpy.types.Scene, request: BakeRequest) -> int:
@@ -233,6 +268,8 @@ def _joined(groups: Sequence[Forecast]) -> Forecast:
         sizes=tuple(line for group in groups for line in group.sizes),
         assets=tuple(asset for group in groups for asset in group.assets),
         atlases=sum(group.atlases for group in groups),
+        made=tuple(one for group in groups for one in group.made),
+        unseen=sum(group.unseen for group in groups),
     )
 
 

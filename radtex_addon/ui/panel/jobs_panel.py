@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -30,6 +31,7 @@ _ICONS = {
     "done": "CHECKMARK",
     "failed": "ERROR",
     "cancelled": "CANCEL",
+    "left": "PAUSE",
 }
 _RUNNING = {"bake": "RENDER_STILL", "comparison": "IMAGE_REFERENCE", "export": "EXPORT"}
 _TITLES = {"bake": "{}", "comparison": "{}, compared", "export": "{} for {}"}
@@ -63,21 +65,28 @@ class RADTEX_PT_jobs(Sidebar, bpy.types.Panel):
 
 
 def in_order(found: Iterable[Job]) -> list[Job]:
-    """Those that run, those that wait, in their order, and those that have ended, the latest first."""
+    """Those that run, wait, or were left by an ended Blender, in order; then what has ended, latest first."""
     found = list(found)
-    running, waiting = ([job for job in found if job.state == state] for state in ("running", "waiting"))
-    return [*running, *waiting, *reversed([job for job in found if job.ended])]
+    first = [[job for job in found if job.state == state] for state in ("running", "waiting", "left")]
+    ended = [job for job in found if job.ended and job.state != "left"]
+    return [*chain.from_iterable(first), *reversed(ended)]
 
 
 def _draw_all(column: Any, found: Sequence[Job]) -> None:
     """Draw the bar of bakes that were asked for together, and the buttons that cancel or clear several."""
     together = jobs.together()
+    if any(not job.ended for job in found):
+        draw_text(column, iface_("Quitting Blender stops them; the next start offers to go on"), "BLANK1")
     if together is not None:
         text = fitting(sidebar_room(), told_together(together), told_together_briefly(together))
         column.progress(factor=together.fraction, text=text, translate=False)
-    ended = [job for job in found if job.ended]
+    if left := jobs.left():
+        draw_text(column, told_left(len(left)), "INFO")
+        several = (iface_("Go On with {}").format(len(left)),) * (len(left) > 1)
+        draw_button(column, "radtex.go_on", "PLAY", *several, iface_("Go On"))
+    ended = [job for job in found if job.ended and job.state != "left"]
     buttons = []
-    if len(found) > len(ended) + 1:
+    if len([job for job in found if not job.ended]) > 1:
         buttons.append(("radtex.cancel", "CANCEL", iface_("Cancel All"), iface_("Cancel")))
     if ended:
         buttons.append(("radtex.clear_jobs", "TRASH", iface_("Clear Finished"), iface_("Clear")))
@@ -86,6 +95,13 @@ def _draw_all(column: Any, found: Sequence[Job]) -> None:
     row, share = side_by_side(column, [texts[-1] for _, _, *texts in buttons])
     for name, icon, *texts in buttons:
         draw_button(row, name, icon, *texts, share=share)
+
+
+def told_left(count: int) -> str:
+    """How many jobs an ended Blender left."""
+    if count == 1:
+        return iface_("Blender ended before 1 of these was done")
+    return iface_("Blender ended before {} of these were done").format(count)
 
 
 def told_together(together: Together) -> str:
@@ -122,6 +138,8 @@ def phrase(job: Job) -> str:
     """The job's state or stage, and the time left if known."""
     if job.cancelling and not job.ended:
         return iface_("Stopping")
+    if job.state == "left":
+        return iface_("Begun, not finished" if job.begun else "Not begun")
     if job.state != "running":
         return iface_(job.state.value.capitalize())
     if job.seconds_left is None:
@@ -176,7 +194,10 @@ def _draw_ended(column: Any, job: Job) -> None:
         return
     row, share = side_by_side(column, [phrase(job), iface_("Resume")])
     row.label(text=phrase(job), icon="BLANK1", translate=False)
-    if _can_resume(job, jobs.snapshot()):
+    if job.state == "left":
+        if jobs.left(job.number):
+            draw_button(row, "radtex.go_on", "PLAY", iface_("Go On"), share=share).number = job.number
+    elif _can_resume(job):
         _ask_to_resume(draw_button(row, "radtex.bake", "PLAY", iface_("Resume"), share=share), job)
     if job.state == "failed":
         draw_text(column, remark(job.message, job.out), "BLANK1")
@@ -198,15 +219,13 @@ def _ask_to_resume(button: Any, job: Job) -> None:
     button.together, button.atlas_name = "one", job.object
 
 
-def _can_resume(job: Job, others: Iterable[Job]) -> bool:
+def _can_resume(job: Job) -> bool:
     """Whether to offer to go on with a bake that was cancelled or failed.
 
     Not once a later job has gone on with it or replaced it, nor while another file is open, whose object of
     that name would be baked.
     """
-    if job.work != "bake" or _is_of_other_file(job):
-        return False
-    return not any(other.number > job.number and _subject(other) == _subject(job) for other in others)
+    return job.work == "bake" and not _is_of_other_file(job) and not jobs.is_superseded(job)
 
 
 def _is_of_other_file(job: Job) -> bool:
@@ -218,12 +237,6 @@ def _is_of_other_file(job: Job) -> bool:
 def _file_of(job: Job) -> str:
     """The name of the job's .blend file; empty if that was never saved."""
     return Path(job.order.facts.get("of_blend", "")).name
-
-
-def _subject(job: Job) -> tuple[object, ...]:
-    """What is baked, and into which folder."""
-    order = job.order
-    return order.work, order.object, order.shared, order.about, order.part, order.variant, order.out
 
 
 def results(job: Job, others: Iterable[Job]) -> list[str]:

@@ -14,12 +14,14 @@ from ..operators.list_operators import (
     RADTEX_OT_list_clear,
     RADTEX_OT_list_move,
     RADTEX_OT_list_remove,
+    RADTEX_OT_show_settings,
 )
 from ..settings.chosen_objects import chosen_by
-from ..settings.object_settings import settings_for
+from ..settings.object_settings import by_settings, settings_for
 from .fitting import ICON, draw_button, fitting, shortened, sidebar_room
 from .labels import iface_
 from .main_panel import Sidebar
+from .panel_state import cached_forecast
 
 _ROWS = 4
 _NAME = 40.0  # pixels that a name needs, or else it has no icon
@@ -88,7 +90,30 @@ class RADTEX_PT_list(Sidebar, bpy.types.Panel):
         row.operator("radtex.list_clear", text="", icon="TRASH")
 
 
+class RADTEX_MT_settings_of(bpy.types.Menu):
+    """Show the settings by which these objects are baked"""
+
+    bl_label = "Settings"
+
+    def draw(self, context: bpy.types.Context | None) -> None:
+        assert context is not None  # Blender always gives one
+        scene, layer = cast(bpy.types.Scene, context.scene), cast(bpy.types.ViewLayer, context.view_layer)
+        found = cached_forecast(scene, layer)
+        for settings, names in by_settings(scene, found.objects if found is not None else ()):
+            if not names:
+                continue
+            text, icon = names[0], "PINNED"
+            if settings == scene.radtex:  # type: ignore[attr-defined]  # ours, not Blender's
+                more = iface_(" and {} more").format(len(names) - 1) if len(names) > 1 else ""
+                text, icon = iface_("Scene's settings: {}").format(names[0]) + more, "SCENE_DATA"
+            layout: Any = self.layout
+            button = layout.operator("radtex.show_settings", text=text, icon=icon, translate=False)
+            button.object = names[0]
+
+
 CLASSES = (
+    RADTEX_OT_show_settings,
+    RADTEX_MT_settings_of,
     RADTEX_OT_list_add,
     RADTEX_OT_list_remove,
     RADTEX_OT_list_move,

@@ -7,7 +7,7 @@ Nothing above the button changes its height by itself, so that the button stays 
 
 from __future__ import annotations
 
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import bpy
 
@@ -33,6 +33,9 @@ from .job_ends import TAB
 from .labels import capitalized, duration, iface_, size
 from .next_buttons import bake_buttons, draw_action, draw_buttons, told_copies
 from .panel_state import Forecast, Next, cached_forecast
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 _PRESETS_IN_A_ROW = 3
 _ICON_IN_HEADER = 56.0  # pixels of the sidebar's room that the title and the icon need
@@ -60,23 +63,27 @@ class RADTEX_PT_bake(Sidebar, bpy.types.Panel):
     def draw(self, context: bpy.types.Context | None) -> None:
         layout, settings, found = drawn(self, context)
         assert context is not None  # Blender always gives one
-        _draw_objects(layout, cast(bpy.types.Scene, context.scene), context.active_object, found)
+        scene = cast(bpy.types.Scene, context.scene)
+        _draw_objects(layout, scene, context.active_object, found)
         if found is not None and found.copies:
             _draw_copies(layout, found)
             draw_news(layout)
             return
+        _draw_whose(layout, settings, found)
         _draw_presets(layout.column(align=True), settings)
         column = layout.column(align=True)
         draw_setting(column, settings, settings.atlas_size)  # "texels" or "density"
         draw_setting(column, settings, "samples")
         _draw_buttons(layout, found)
+        if reason := why_grey(scene, found):
+            draw_text(layout, capitalized(reason), "INFO")
         if found is None:
             return
         draw_text(layout, time_and_size(found))
         _draw_assets(layout, settings, found)
         for line in what_is_there(found):
             draw_text(layout, line, "INFO")
-        draw_remarks(layout, cast(bpy.types.Scene, context.scene), settings, found)
+        draw_remarks(layout, scene, settings, found)
         for line in found.sizes:
             draw_text(layout, line, "BLANK1")
         draw_news(layout)
@@ -161,8 +168,7 @@ def _draw_objects(
     chosen = chosen_by(scene)
     names = found.objects if found is not None else ()
     shown = names or (tuple(one.name for one in found.copies) if found is not None else ())
-    owner = owner_of(active)
-    pinned: Any = owner if owner is not None and owner.name in names else None
+    pinned: Any = owner_of(scene, active, names)
     room = sidebar_room(icon=True, buttons=2 if pinned is None else 3)
     named = row = layout.row(align=True)
     row.use_property_split = False
@@ -175,11 +181,52 @@ def _draw_objects(
         text = shown[0] if len(shown) == 1 else iface_("{} objects").format(len(shown))
         named.label(text=shortened(text, room), icon="OUTLINER_OB_MESH", translate=False)
     else:
-        text = fitting(room, capitalized(iface_(nothing_chosen(scene))), iface_("Nothing"))
-        named.label(text=text, icon="INFO", translate=False)
+        text = iface_("no object") if chosen.source == "list" else iface_(nothing_chosen(scene))
+        named.label(text=fitting(room, capitalized(text), iface_("Nothing")), icon="INFO", translate=False)
     row.prop(chosen, "source", text="", icon_only=True)
     if pinned is not None:
         row.prop(pinned.radtex, "use", text="", icon="PINNED" if pinned.radtex.use else "UNPINNED")
+
+
+def why_grey(scene: bpy.types.Scene, found: Forecast | None) -> str:
+    """Why the large button is grey; empty if it is not, or its text, an error or the line above says why."""
+    if found is None:
+        return iface_("looking at what is chosen")
+    if found.next is not Next.NOTHING or found.objects or chosen_by(scene).source == "selection":
+        return ""
+    return iface_(nothing_chosen(scene))
+
+
+def _draw_whose(layout: Any, settings: BakeSettings, found: Forecast | None) -> None:
+    """One line, always there: whose settings are shown; where others are used, a menu goes to those."""
+    names, own = (found.objects, found.own) if found is not None else ((), ())
+    shown = settings.id_data if isinstance(settings.id_data, bpy.types.Object) else None
+    opens = bool(own) and not (shown is not None and len(names) == 1)
+    room = sidebar_room(buttons=1 if opens else 0)
+    text = fitting(room, *told_whose(None if shown is None else shown.name, names, own))
+    row = layout.row()
+    if opens:
+        row.menu("RADTEX_MT_settings_of", text=text, translate=False)
+    else:
+        row.label(text=text, translate=False)
+
+
+def told_whose(shown: str | None, names: Sequence[str], own: Sequence[str]) -> tuple[str, ...]:
+    """Whose settings are shown, the longest wording first: those of the object `shown`, or the scene's.
+
+    `names` are to be baked; those in `own` have settings of their own.
+    """
+    if shown is not None:
+        alone = iface_("Settings of {}").format(shown)
+        among = iface_("Settings of {}, 1 of {} objects").format(shown, len(names))
+        return (among, alone) if len(names) > 1 else (alone,)
+    if not own:
+        return (iface_("Scene's settings"),)
+    if len(names) == 1:
+        return (iface_("Scene's settings; {} has its own").format(own[0]),)
+    told = iface_("Scene's settings; {} of {} objects have their own").format(len(own), len(names))
+    short = iface_("Scene's settings; {} of {} have own").format(len(own), len(names))
+    return (f"{told}: {', '.join(own)}", f"{short}: {', '.join(own)}", told, short)
 
 
 def _draw_presets(column: Any, settings: BakeSettings) -> None:
@@ -230,7 +277,8 @@ def drawn(
 ) -> tuple[Any, BakeSettings, Forecast | None]:
     """The panel's layout with our options set, the settings to show, and the cached forecast, if any.
 
-    The settings are the active object's, if it is among those to bake and has its own, else the scene's.
+    The settings are those of the bake list's marked object, where the list is chosen, or else of the active
+    one, if that object is among those to bake and has its own; else the scene's.
     """
     assert context is not None  # Blender always gives one
     scene, view_layer = cast(bpy.types.Scene, context.scene), cast(bpy.types.ViewLayer, context.view_layer)

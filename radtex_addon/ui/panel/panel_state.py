@@ -61,6 +61,18 @@ class ShownCopy(NamedTuple):
     bake: str
 
 
+class Made(NamedTuple):
+    """An atlas that the bake makes: name, texels along a side, most bytes of all its images, and folder.
+
+    The bytes are those of all frames, lamps and parts that are baked of it.
+    """
+
+    name: str
+    texels: int
+    disk: int
+    folder: Path
+
+
 @dataclass(frozen=True)
 class Forecast:
     """What to expect of a bake of the chosen objects, and the most that any of them costs.
@@ -71,12 +83,14 @@ class Forecast:
     `needs_folder` tells whether one must be chosen. `bakes` are all that were asked for, `finished` and
     `unfinished` those of them that are there, `done` the finished ones that have these settings. `busy` are
     the objects that are being baked; the other fields are of the others. `shown` are the objects whose bake
-    is shown in their place. `layout` describes the automatically chosen layout and the reason; empty if the
-    user chose the layout. `assets` are objects that touch and share an atlas; all objects have so many
-    `atlases`, without counting parts and variants. `sizes` are lines on the size of each atlas, if that
-    follows from a texel density. `not_baked` names selected objects that are no meshes, `left_out` meshes
-    that cannot be baked where others can. `copies` are the chosen objects where all of them are
-    copies that show a bake; then there is nothing to bake.
+    is shown in their place, `own` those that have settings of their own, `flat` those that cannot be baked
+    since their scale is 0 along an axis. `layout` describes the automatically chosen layout and the reason;
+    empty if the user chose the layout. `assets` are objects that touch and share an atlas; all objects have
+    so many `atlases`, without counting parts and variants. `made` are these atlases, but for so many that
+    were `unseen` for lack of time. `sizes` are lines on the size of each atlas, if that follows from a texel
+    density. `not_baked` names selected objects that are no meshes, `left_out` meshes that cannot be baked
+    where others can. `copies` are the chosen objects where all of them are copies that show a bake; then
+    there is nothing to bake.
     """
 
     objects: tuple[str, ...]
@@ -95,6 +109,8 @@ class Forecast:
     done: int = 0
     busy: tuple[str, ...] = ()
     shown: tuple[str, ...] = ()
+    own: tuple[str, ...] = ()
+    flat: tuple[str, ...] = ()
     not_baked: tuple[NotBaked, ...] = ()
     left_out: tuple[LeftOut, ...] = ()
     layout: str = ""
@@ -102,6 +118,8 @@ class Forecast:
     assets: tuple[ShownAsset, ...] = ()
     atlases: int = 1
     copies: tuple[ShownCopy, ...] = ()
+    made: tuple[Made, ...] = ()
+    unseen: int = 0
 
     @property
     def chosen(self) -> tuple[str, ...]:

@@ -7,22 +7,26 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import inf
+from time import monotonic
 from typing import Any
 
 import bpy
 
 from ...core.errors import InputError
-from ...core.messages import Setting, do
+from ...core.messages import Message, Setting, do
 from ...job.bake_plan import BakePlan, plan_bakes, preflight
 from ...job.bake_request import BakeRequest
 from ...job.left_out import Found, LeftOut, find_bakeable
 from ...job.preflight import Preflight
 from ...preview.swap import is_on
+from ...scene.mesh.mesh_checks import scale_in_world
 from ...store.bake_folder import FolderState
 from ..jobs.repeated_exports import RepeatedExports
 from ..settings.bake_settings import BakeSettings
 from ..settings.object_settings import by_settings
 from ..settings.request import spec_of, values_of
+
+_EVEN = 1.01  # the longest axis to the shortest
 
 
 @dataclass(frozen=True)
@@ -73,6 +77,42 @@ def sort_out(
         found |= {one.name: one for one in left}
     kept = tuple(name for name in names if name not in found)
     return Found(kept, tuple(found[name] for name in dict.fromkeys(names) if name in found))
+
+
+def scale_notes(
+    layer: bpy.types.ViewLayer, items: Sequence[bpy.types.Object], patience: float
+) -> tuple[Message, ...]:
+    """What negative and uneven scales mean for a bake: the picture is right; a line for each sort.
+
+    After `patience` seconds no further object is looked at.
+    """
+    mirrored: list[str] = []
+    uneven: list[str] = []
+    since = monotonic()
+    for item in items:
+        if monotonic() - since > patience:
+            break
+        length, is_mirrored = scale_in_world(layer, item)
+        if is_mirrored:
+            mirrored.append(item.name)
+        if length.max() > _EVEN * length.min() > 0:
+            uneven.append(item.name)
+    notes = []
+    if mirrored:
+        several = "have negative scales" if len(mirrored) > 1 else "has a negative scale"
+        notes.append(Message(f"{_first(mirrored)} {several}: baked as it looks, nothing needs to be applied"))
+    if uneven:
+        several = "have uneven scales" if len(uneven) > 1 else "has an uneven scale"
+        told = (
+            "baked as it looks, and new unwraps allow for it; a UV map of its own stretches its texels alike"
+        )
+        notes.append(Message(f"{_first(uneven)} {several}, not applied: {told}"))
+    return tuple(notes)
+
+
+def _first(names: Sequence[str]) -> str:
+    """The first name, and how many more there are."""
+    return f"'{names[0]}' and {len(names) - 1} more" if len(names) > 1 else f"'{names[0]}'"
 
 
 def foreseen(scene: bpy.types.Scene, request: BakeRequest, patience: float) -> Preflight:

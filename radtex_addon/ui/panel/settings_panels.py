@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, cast
 
 import bpy
 
@@ -15,6 +15,7 @@ from ...settings.options import OPTIONS, shown_in
 from ..operators.export_dialog import shortened
 from ..settings.bake_settings import BakeSettings
 from ..settings.kept_exports import kept_export, rows_of
+from ..settings.object_settings import owner_of
 from .fitting import draw_button, draw_search, draw_setting, draw_text, headed
 from .labels import iface_
 from .main_panel import Sidebar, drawn
@@ -67,7 +68,9 @@ class RADTEX_PT_surface(_Folded, bpy.types.Panel):
         layout, settings, found = drawn(self, context)
         assert context is not None  # Blender always gives one
         draw_setting(layout.row(), settings, "atlas_size", expand=True)
-        _draw_uv(layout.column(), settings, context.active_object)
+        scene, active = cast(bpy.types.Scene, context.scene), context.active_object
+        names = found.objects if found is not None else ()
+        _draw_uv(layout.column(), settings, owner_of(scene, active, names) or active)
         _draw_parts(layout.column(), settings, found is not None and len(found.objects) > 1)
         if Kind(settings.kind).traits.source:
             column = layout.column()

@@ -72,9 +72,13 @@ def _sort_of_cells(settings: BakeSettings) -> str:
     return str(settings.atlas_layout) if kind.looks_at_surface else Layout.BUCKETS.value
 
 
-def places(_: BakeSettings, around: bpy.types.Context, typed: str) -> Iterator[tuple[str, str]]:
-    """Search function: the active object's named regions that match `typed`, each with its type."""
-    item = around.object
+def places(settings: BakeSettings, around: bpy.types.Context, typed: str) -> Iterator[tuple[str, str]]:
+    """Search function: named regions that match `typed`, each with its type.
+
+    They are those of the object whose settings these are, or else of the active one.
+    """
+    owner = settings.id_data
+    item = owner if isinstance(owner, bpy.types.Object) else around.object
     if item is not None and may_have_faces(item):
         for name, kind in places_on(item).items():
             if typed.lower() in name.lower():

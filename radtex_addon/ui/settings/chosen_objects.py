@@ -85,7 +85,8 @@ class RADTEX_PG_chosen(bpy.types.PropertyGroup):
         )
         active: IntProperty(
             name="Active",
-            description="The row of the bake list that the buttons beside it work on",
+            description="The marked row of the bake list: the buttons beside it work on it, and the panel "
+            "shows the settings of its object",
             default=0,
             min=0,
         )
@@ -94,6 +95,15 @@ class RADTEX_PG_chosen(bpy.types.PropertyGroup):
 def chosen_by(scene: bpy.types.Scene) -> RADTEX_PG_chosen:
     """The scene's choice of objects."""
     found: RADTEX_PG_chosen = scene.radtex_chosen  # type: ignore[attr-defined]  # ours, not Blender's
+    return found
+
+
+def marked_object(scene: bpy.types.Scene) -> bpy.types.Object | None:
+    """The object of the marked row of the bake list, where that chooses what is baked; else None."""
+    chosen = chosen_by(scene)
+    if chosen.source != "list" or not 0 <= chosen.active < len(chosen.listed):
+        return None
+    found: bpy.types.Object | None = chosen.listed[chosen.active].item
     return found
 
 
@@ -142,12 +152,21 @@ def nothing_chosen(scene: bpy.types.Scene) -> str:
     """What to do where the choice has no object, in one line."""
     chosen = chosen_by(scene)
     if chosen.source == "list":
-        return "the bake list is empty: add objects to it"
+        return _nothing_listed(chosen)
     if chosen.source == "selection":
         return "select a mesh object to bake"
     if chosen.collection is None:
-        return "no collection is chosen: choose one"
+        return "no collection is chosen: choose the one whose meshes are to be baked"
     return f"collection '{chosen.collection.name}' has no mesh that is seen in renders: choose another"
+
+
+def _nothing_listed(chosen: RADTEX_PG_chosen) -> str:
+    """The same for the bake list."""
+    if not chosen.listed:
+        return "the bake list is empty: select objects and press its plus"
+    if any(row.item is not None and row.item.users_collection for row in chosen.listed):
+        return "no object of the bake list is ticked: tick those to bake"
+    return "the objects of the bake list were deleted: take them off, and add others"
 
 
 def selected_meshes(layer: bpy.types.ViewLayer) -> list[bpy.types.Object]:

@@ -5,13 +5,14 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import bpy
 from bpy.props import BoolProperty
 
 from ...scene.surfaces import may_have_faces
 from .bake_settings import NAMES, BakeSettings
+from .chosen_objects import marked_object
 from .update_callbacks import notice
 
 _CHOICES = frozenset({"atlas_layout", "kind", "unwrap"})  # "" if a file has the number of a former choice
@@ -49,20 +50,29 @@ def own_settings(item: bpy.types.Object | None) -> RADTEX_PG_object | None:
     return own if own is not None and own.use else None
 
 
-def owner_of(active: bpy.types.Object | None) -> bpy.types.Object | None:
-    """The object whose own settings the panel offers: the active mesh, or the one whose bake it shows."""
+def owner_of(
+    scene: bpy.types.Scene, active: bpy.types.Object | None, names: Collection[str]
+) -> bpy.types.Object | None:
+    """The object among `names`, which are to be baked, whose own settings the panel offers.
+
+    That is the object of the bake list's marked row, where the list is chosen, or else the active one; where
+    such an object is a preview, the one whose bake it shows. Linked objects have no settings of their own.
+    """
     from ...preview.swap import original_of
 
-    found = None if active is None or not may_have_faces(active) else original_of(active)
-    return found if found is None or found.library is None else None
+    for item in (marked_object(scene), active):
+        found = None if item is None or not may_have_faces(item) else original_of(item)
+        if found is not None and found.name in names:
+            local: bool = cast(Any, found).library is None  # older stubs declare that each has one
+            return found if local else None
+    return None
 
 
 def edited_settings(
     scene: bpy.types.Scene, active: bpy.types.Object | None, names: Collection[str]
 ) -> BakeSettings:
     """The settings that the panel shows and presets change, while the objects `names` are to be baked."""
-    owner = owner_of(active)
-    own = own_settings(owner) if owner is not None and owner.name in names else None
+    own = own_settings(owner_of(scene, active, names))
     return own if own is not None else scene.radtex  # type: ignore[attr-defined]  # ours, not Blender's
 
 
