@@ -12,34 +12,34 @@ from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stdout
 from enum import StrEnum
 from pathlib import Path
-from time import monotonic
 from typing import Any, Protocol
 
 from ..bake.progress import Stage
 from ..core.quoting import printable, printable_json
 from ..farm.farm_progress import FarmTask
 from ..report.report_progress import ReportTask
+from ..settings.time_left import Left, told_left
 from ..textures.export_spec import ExportTask
 from .options import ProgressStyle
 from .terminal import Output, draw, tell
-from .whole_progress import Reached, Whole
+from .whole_progress import Reached, StepClock, Whole
 
-_WIDTH = 28  # width of the bar, in characters
+_WIDTH = 12  # width of the bar, in characters
 _SAYS: dict[StrEnum, str] = {
     Stage.EVALUATE: "reading the mesh",
     Stage.UNWRAP: "unwrapping",
-    Stage.RASTER: "placing texels",
-    Stage.PROBE: "finding hidden cells",
-    Stage.CAPTURE: "rendering",
-    Stage.SURROUNDINGS: "rendering the surroundings",
+    Stage.RASTER: "laying out the texture",
+    Stage.PROBE: "finding hidden parts",
+    Stage.CAPTURE: "rendering the light",
+    Stage.SURROUNDINGS: "rendering what is around it",
     Stage.DENOISE: "denoising",
-    Stage.FILL: "filling gutters",
-    Stage.FIT: "fitting",
+    Stage.FILL: "filling gaps",
+    Stage.FIT: "making the textures",
     Stage.WRITE: "writing",
     Stage.PREVIEW: "saving the preview",
     ReportTask.FIND_MESH: "finding its UV layer",
     ReportTask.FIND_VIEWS: "looking for views",
-    ReportTask.REFERENCE: "path tracing",
+    ReportTask.REFERENCE: "rendering the original",
     ReportTask.COMPARE: "comparing",
     ReportTask.PAGE: "writing the page",
     ExportTask.TEXTURES: "storing textures",
@@ -110,34 +110,11 @@ def _others_redirected(to_stderr: bool) -> Iterator[None]:
             os.close(before)
 
 
-class _Clock:
-    """Estimate a stage's time left from the pace after its first unit, which includes the set-up time."""
-
-    def __init__(self) -> None:
-        self._key: tuple[str, StrEnum] | None = None
-        self._first: tuple[int, float] | None = None
-
-    def left(self, name: str, step: Reached) -> float | None:
-        """Seconds until the stage is done; None while unknown."""
-        if self._key != (name, step.stage):
-            self._key, self._first = (name, step.stage), None
-        if step.done == step.total:
-            return 0.0
-        if step.done == 0:
-            return None
-        if self._first is None:
-            self._first = (step.done, monotonic())
-        done, since = self._first
-        if step.done == done:
-            return None
-        return (monotonic() - since) * (step.total - step.done) / (step.done - done)
-
-
 class _Lines:
     """Report that prints one JSON object per line on standard output."""
 
     def __init__(self, output: Output) -> None:
-        self._output, self._clock = output, _Clock()
+        self._output, self._clock = output, StepClock()
         self._said: tuple[str, Reached] | None = None
 
     def progress(self, name: str, step: Reached, whole: Whole | None = None) -> None:
@@ -147,10 +124,10 @@ class _Lines:
         self._said = (name, step)
         facts: dict[str, object] = {}
         if whole is not None:
-            seconds = whole.seconds_left
             facts = {
                 "whole": round(whole.share, 4),
-                "whole_seconds_left": None if seconds is None else round(seconds, 1),
+                "whole_seconds_left": _seconds(whole.left),
+                "whole_seconds_range": [round(whole.left.least, 1), round(whole.left.most, 1)],
             }
         self.event(
             "progress",
@@ -158,7 +135,7 @@ class _Lines:
             stage=str(step.stage),
             done=step.done,
             total=step.total,
-            seconds_left=None if left is None else round(left, 1),
+            seconds_left=_seconds(left),
             **facts,
         )
 
@@ -178,7 +155,7 @@ class _Bar:
     """Report with a bar on stderr, or one line per stage if that is no terminal; results on stdout."""
 
     def __init__(self, output: Output, shown: bool) -> None:
-        self._output, self._shown, self._clock = output, shown, _Clock()
+        self._output, self._shown, self._clock = output, shown, StepClock()
         self._terminal = sys.stderr is not None and sys.stderr.isatty()
         self._drawn, self._said = 0, ""
 
@@ -194,10 +171,12 @@ class _Bar:
             return
         share = step.done / step.total if step.total else 1.0
         if whole is not None:
-            share, left = whole.share, whole.seconds_left
+            share, left = whole.share, whole.left
+        wait = "" if share == 1 else f"  {told_left(left)}"
+        if whole is None and left.is_known and wait:
+            wait += " of this step"
         bar = "#" * int(share * _WIDTH)
-        wait = "" if left is None or share == 1 else f"  {_clock_face(left)} left"
-        self._draw(f"{name}  {_SAYS[step.stage]:<20} [{bar:<{_WIDTH}}] {share:4.0%}{wait}")
+        self._draw(f"{name}  {_SAYS[step.stage]:<27} [{bar:<{_WIDTH}}] {share:4.0%}{wait}")
 
     def event(self, kind: str, **facts: object) -> None:
         if kind in ("picture", "map"):  # not shown beside the bar
@@ -225,9 +204,9 @@ class _Bar:
         self._drawn = len(text)
 
 
-def _clock_face(seconds: float) -> str:
-    minutes, rest = divmod(round(seconds), 60)
-    return f"{minutes}:{rest:02d}"
+def _seconds(left: Left) -> float | None:
+    """The most likely time, for programs; None while it is not known."""
+    return round(left.seconds, 1) if left.is_known else None
 
 
 def _summary(facts: dict[str, object]) -> tuple[str, ...]:

@@ -89,7 +89,8 @@ def _bake(
         if request.bakes.spec.density is not None and (capped := atlas.capped(request.bakes.spec.density)):
             report.event("warning", **told(capped))
     wanted = [bake for plan in plans for bake in plan.wanted]
-    whole = whole_progress(wanted, request.bakes.saves_preview) if len(wanted) > 1 else None
+    asked = request.bakes
+    whole = whole_progress(wanted, asked.saves_preview, len(asked.exports), asked.resume)
     failures: list[InputError] = []
     with pictures_shared():
         for plan in plans:
@@ -133,19 +134,18 @@ def _bake_plan(
     report: Report,
     interruption: Interruption,
     after: str,
-    whole: WholeProgress | None,
+    whole: WholeProgress,
 ) -> list[BakeResult]:
     """Make the bakes of a plan, which was checked, and report each.
 
-    `whole` counts the bakes of all plans, if there are several.
+    `whole` counts the bakes of all plans.
     """
     done: list[BakeResult] = []
     thumbnail = partial(_thumbnail, request, report)
     for number, (name, spec, steps) in enumerate(steps_of_bakes(scene, plan, thumbnail)):
         title = _numbered_title(name, spec, number, len(plan.wanted)) + after
         leave = partial(_leave, name, spec, request, report)
-        if whole is not None:
-            whole.begin()
+        whole.begin()
         with _saying_how_to_resume(name, spec, request), interruption.leaving(leave):
             result = interruption.between(steps, partial(_tell_progress, report, title, whole))
         others = [*_pictures(request, result), *result.exported]
@@ -155,8 +155,8 @@ def _bake_plan(
     return done
 
 
-def _tell_progress(report: Report, title: str, whole: WholeProgress | None, step: Progress) -> None:
-    report.progress(title, step, None if whole is None else whole.at(step))
+def _tell_progress(report: Report, title: str, whole: WholeProgress, step: Progress) -> None:
+    report.progress(title, step, whole.at(step))
 
 
 def _numbered_title(name: str, spec: BakeSpec, number: int, count: int) -> str:

@@ -4,22 +4,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from time import monotonic
 from typing import Protocol
 
-from ..bake.progress import Stage
 from ..job.variants import Bake
-from ..settings.estimate import BakeWork, typical_seconds
+from ..settings.estimate import EXPORT, START, BakeWork, Estimate, estimate
 from ..settings.spec import BakeSpec
+from ..settings.time_left import Course, Left, time_left
+from ..textures.export_spec import ExportTask
 
-_PRIOR = (
-    4.0  # typical seconds for which a stage is taken to be as slow as all stages so far, and these as usual
-)
 _TRIANGLES = 16_000  # of usual objects
-_LEAST = 2.0  # seconds that must have gone by before the time left is told
+_STEP = 5.0  # seconds that steps take, of which nothing is known
+_EXPORTS = frozenset(map(str, ExportTask))
 
 
 class Reached(Protocol):
@@ -37,92 +36,78 @@ class Reached(Protocol):
 
 @dataclass(frozen=True)
 class Whole:
-    """Of a whole run: the `share` of its work that is done, 0 to 1, and the seconds left, None if unknown."""
+    """Of a whole run: the `share` of its work that is done, 0 to 1, and the time left."""
 
     share: float
-    seconds_left: float | None
+    left: Left
 
 
 class WholeProgress:
-    """Counts bakes in typical seconds of their stages, and learns from each stage how long it takes here.
+    """The courses of bakes that are `expected`, in this order: those that are over tell of those to come."""
 
-    `works` are the typical seconds of each bake's stages, in the order in which they are baked.
-    """
-
-    def __init__(self, works: Iterable[Mapping[str, float]], clock: Callable[[], float] = monotonic) -> None:
-        self._works = [dict(work) for work in works]
+    def __init__(self, expected: Iterable[Estimate], clock: Callable[[], float] = monotonic) -> None:
+        self._waiting = list(expected)
+        self._whole = sum(one.total for one in self._waiting)
         self._clock = clock
-        self._since = self._last = clock()
-        self._bake, self._stage = -1, ""
-        self._reached: dict[str, float] = {}  # typical seconds that are done, by stage, of the current bake
-        self._done: dict[str, float] = {}  # … and of all bakes
-        self._took: dict[str, float] = {}  # seconds that these took
+        self._since = clock()
+        self._ended: list[Course] = []
+        self._running: Course | None = None
         self._share = 0.0
 
     def begin(self) -> None:
         """The next bake begins: all stages of the one before are done, or were left out."""
-        if self._stage:
-            self._advance(self._stage, self._works[self._bake].get(self._stage, 0.0))
-        self._bake, self._stage, self._reached = self._bake + 1, "", {}
+        now = self._clock()
+        if self._running is not None:
+            self._ended.append(self._running.end(now - self._since))
+        self._running, self._since = Course(self._waiting.pop(0)), now
 
     def at(self, step: Reached) -> Whole:
         """The current bake has reached `step`."""
-        now, stage = self._clock(), str(step.stage)
-        work = self._works[self._bake]
-        self._took[self._stage or stage] = self._took.get(self._stage or stage, 0.0) + now - self._last
-        self._last = now
-        if self._stage and stage != self._stage:
-            self._advance(self._stage, work.get(self._stage, 0.0))
-        self._stage = stage
-        self._advance(stage, work.get(stage, 0.0) * (step.done / step.total if step.total else 1.0))
-        self._share = max(self._share, self._done_share())
-        return Whole(self._share, self._left(now))
-
-    def _advance(self, stage: str, reached: float) -> None:
-        gain = max(0.0, reached - self._reached.get(stage, 0.0))
-        self._reached[stage] = self._reached.get(stage, 0.0) + gain
-        self._done[stage] = self._done.get(stage, 0.0) + gain
-
-    def _rest(self) -> dict[str, float]:
-        """Typical seconds that are left of all bakes, by stage."""
-        rest: dict[str, float] = {}
-        for number, work in enumerate(self._works[self._bake :]):
-            for stage, seconds in work.items():
-                left = seconds if number else max(0.0, seconds - self._reached_of(stage, seconds))
-                rest[stage] = rest.get(stage, 0.0) + left
-        return rest
-
-    def _reached_of(self, stage: str, seconds: float) -> float:
-        """How much of a stage of the current bake is done; all of it, where a later one has begun.
-
-        Stages that are none of a bake's, as those of an export, come after all of them.
-        """
-        order = list(map(str, Stage))
-        if self._stage not in order or order.index(stage) < order.index(self._stage):
-            return seconds
-        return self._reached.get(stage, 0.0)
-
-    def _done_share(self) -> float:
-        whole = sum(sum(work.values()) for work in self._works)
-        return min(1.0, 1.0 - sum(self._rest().values()) / whole) if whole else 1.0
-
-    def _left(self, now: float) -> float | None:
-        spent = now - self._since
-        if spent < _LEAST:
-            return None
-        pace = (spent + _PRIOR) / (sum(self._done.values()) + _PRIOR)
-        left = 0.0
-        for stage, seconds in self._rest().items():
-            took, done = self._took.get(stage, 0.0), self._done.get(stage, 0.0)
-            left += seconds * (took + _PRIOR * pace) / (done + _PRIOR)
-        return left
+        assert self._running is not None
+        now = self._clock() - self._since
+        share = step.done / step.total if step.total else 1.0
+        if step.stage in _EXPORTS:
+            self._running = self._running.at(EXPORT, 0.0, now)  # of one export of several
+        else:
+            self._running = self._running.at(str(step.stage), share, now)
+        done = sum(one.expected.total for one in self._ended) + self._running.done
+        self._share = max(self._share, min(1.0, done / self._whole) if self._whole else 1.0)
+        return Whole(self._share, time_left(self._running, now, self._ended, self._waiting))
 
 
-def whole_progress(bakes: Iterable[Bake], preview: bool) -> WholeProgress:
-    """The progress of a run of these bakes, in their order."""
+def whole_progress(bakes: Iterable[Bake], preview: bool, exports: int, unsure: bool) -> WholeProgress:
+    """The progress of a run of these bakes, in their order, with so many `exports` of each.
 
-    def work(spec: BakeSpec) -> Mapping[str, float]:
-        typical = typical_seconds(BakeWork.of(spec, _TRIANGLES, preview=preview, device=spec.device))
-        return {stage: typical[stage] for stage in map(str, Stage) if stage in typical}
+    `unsure`: a part of them may be done already, as where they are resumed.
+    """
 
-    return WholeProgress(work(spec) for _, spec in bakes)
+    def expected(spec: BakeSpec) -> Estimate:
+        work = BakeWork.of(spec, _TRIANGLES, preview=preview, exports=exports, device=spec.device)
+        made = without_start(estimate(work, "", "", ()))
+        return made.unsure() if unsure or spec.incremental else made
+
+    return WholeProgress(expected(spec) for _, spec in bakes)
+
+
+def without_start(expected: Estimate) -> Estimate:
+    """The same of a bake in a process that runs already."""
+    seconds = {stage: value for stage, value in expected.seconds.items() if stage != START}
+    return replace(expected, seconds=seconds)
+
+
+class StepClock:
+    """The time left of one step of a report, a comparison or an export, by the share of it that is done."""
+
+    def __init__(self) -> None:
+        self._key: tuple[str, StrEnum] | None = None
+        self._since = 0.0
+        self._course = Course(Estimate())
+
+    def left(self, name: str, step: Reached) -> Left:
+        """The time until the step is done."""
+        if self._key != (name, step.stage):
+            self._key, self._since = (name, step.stage), monotonic()
+            self._course = Course(Estimate({str(step.stage): _STEP}))
+        now = monotonic() - self._since
+        self._course = self._course.at(str(step.stage), step.done / step.total if step.total else 1.0, now)
+        return time_left(self._course, now)

@@ -110,14 +110,17 @@ def work_in(told: Any) -> BakeWork:
         if type(value) is not (kind or int):
             raise TypeError(f"{one.name} is of another type")
     Kind(work.kind)
-    if min(work.texels, work.covered, work.bucket, work.samples, work.values) < 1 or work.triangles < 0:
+    if (
+        min(work.texels, work.covered, work.bucket, work.samples, work.values) < 1
+        or min(work.triangles, work.exports) < 0
+    ):
         raise ValueError("no amount of work")
     if not 0 < work.surroundings <= 1:
         raise ValueError("no width of surroundings")
     return work
 
 
-_DEFAULTS = ("values", "denoise", "preview", "surroundings")
+_DEFAULTS = ("values", "denoise", "preview", "surroundings", "exports")
 
 
 def _is_time(value: object) -> bool:

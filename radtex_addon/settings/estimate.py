@@ -11,10 +11,10 @@ ratios, in which the measurements that are most like the bake count most.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from functools import lru_cache
-from math import exp, log
+from math import exp, log, sqrt
 
 from ..bake.progress import Stage
 from .forms import FORMS
@@ -24,17 +24,28 @@ from .rays import CLEAR_SAMPLES, PROBE_CELLS, PROBES, LayeredRays
 from .spec import BakeSpec, Kind, Unwrap
 
 START = "start"  # starting the worker, opening the scene, checks; a stage of no bake, but of its job
-STAGES = (START, *map(str, Stage))
+EXPORT = "exports"  # what is made of the bake for games and browsers; the same
+STAGES = (START, *map(str, Stage), EXPORT)
 
 _COVERAGE = 0.55  # the usual share of an atlas that islands cover
 # stages whose pace does not depend on what is baked
-_ALIKE = frozenset({START, *map(str, (Stage.EVALUATE, Stage.UNWRAP, Stage.RASTER, Stage.PREVIEW))})
+_ALIKE = frozenset({START, EXPORT, *map(str, (Stage.EVALUATE, Stage.UNWRAP, Stage.RASTER, Stage.PREVIEW))})
 
 # weights of measurements; a measurement of another bake counts 1
 _PRIOR, _BAKED, _PROBED, _OTHER_KIND = 0.05, 1000.0, 100.0, 0.02
+_OF_ITSELF = 50.0  # weight from which on a measurement of the same object is of the same kind of work
 _FADING = 4.0  # how quickly the weight of a finished bake falls with the difference in size
 _HALF_LIFE = 20  # so many bakes later a measurement counts half
 _LEAST = 1e-3  # seconds: what is shorter says nothing of a pace
+
+# How sure estimates are: standard deviations of the logarithm of a stage's time.
+_UNSURE, _OF_OTHERS, _LEAST_OF_OTHERS, _OF_PROBE, _OF_SAME = 0.6, 0.5, 0.25, 0.3, 0.15
+_BY_SIZE = 0.25  # and so much more where the same object was baked e times as large
+_UNWRAPS = 2.0  # times as much of an unwrap, which depends on the mesh
+# … and that of all stages together, which other work on the machine slows, or a machine unlike ours
+_BUSY, _UNKNOWN_MACHINE = 0.3, 0.55
+_ANY_WORK = 2.5  # of work of which nothing is known but how its stages share its time
+
 _NO_UNWRAP = 0.1  # ratio: an unwrap so quick was none, as the object has a UV layer of its own
 
 
@@ -45,7 +56,7 @@ class BakeWork:
     `kind`, `device` and `unwrap` are as in a specification, `layout` is the form's name, and `unwrap` is ""
     with a UV layer that the specification names. Of the `texels` on the longer side `covered` in all are
     baked; the surface has so many `triangles`, and a cell so many `values`. `surroundings` is the width of
-    the pictures of what surrounds the object, relative to that in a bake.
+    the pictures of what surrounds the object, relative to that in a bake. So many `exports` are made of it.
     """
 
     kind: str
@@ -61,6 +72,7 @@ class BakeWork:
     denoise: bool = False
     preview: bool = False
     surroundings: float = 1.0
+    exports: int = 0
 
     @classmethod
     def of(
@@ -71,6 +83,7 @@ class BakeWork:
         covered: int | None = None,
         texels: int | None = None,
         preview: bool = False,
+        exports: int = 0,
         device: str,
     ) -> BakeWork:
         """The work of `spec`, with a usual coverage or the specification's texels where none are given."""
@@ -88,6 +101,7 @@ class BakeWork:
             values=spec.channels,
             denoise=spec.denoise,
             preview=preview,
+            exports=exports,
         )
 
     @property
@@ -128,10 +142,23 @@ class Basis(StrEnum):
 
 @dataclass(frozen=True)
 class Estimate:
-    """The expected `seconds` by stage, and what they rest on."""
+    """The expected `seconds` by stage, in their order, what they rest on, and how sure they are.
+
+    `spread` has the standard deviation of the logarithm of each stage's time, `common` that of all together.
+    """
 
     seconds: Mapping[str, float] = field(default_factory=dict)
     basis: Basis = Basis.NOTHING
+    spread: Mapping[str, float] = field(default_factory=dict)
+    common: float = _ANY_WORK
+
+    def spread_of(self, stage: str) -> float:
+        """The standard deviation of the logarithm of a stage's time."""
+        return self.spread.get(stage, _UNSURE)
+
+    def unsure(self) -> Estimate:
+        """The same of a bake of which a part may be done already."""
+        return replace(self, spread=dict.fromkeys(self.seconds, 2 * _UNSURE))
 
     @property
     def total(self) -> float:
@@ -165,7 +192,9 @@ def typical_seconds(work: BakeWork) -> Mapping[str, float]:
         seconds[str(Stage.DENOISE)] = 0.4 + 9e-6 * work.cells * work.values / 4
     if work.preview:
         seconds[str(Stage.PREVIEW)] = 0.3 + 1e-5 * work.triangles
-    return seconds
+    if work.exports:
+        seconds[EXPORT] = (1.5 + 2e-4 * work.covered) * work.exports
+    return {stage: seconds[stage] for stage in STAGES if stage in seconds}
 
 
 def estimate(work: BakeWork, place: str, name: str, measured: Sequence[Measurement]) -> Estimate:
@@ -173,11 +202,13 @@ def estimate(work: BakeWork, place: str, name: str, measured: Sequence[Measureme
 
     `measured` are all measurements of this machine, the latest last.
     """
-    expected = {
-        stage: typical * _ratio(stage, typical, work, place, name, measured)
-        for stage, typical in typical_seconds(work).items()
-    }
-    return Estimate(expected, _basis(work, place, name, measured))
+    expected, spread = {}, {}
+    for stage, typical in typical_seconds(work).items():
+        ratio, spread[stage] = _ratio(stage, typical, work, place, name, measured)
+        expected[stage] = typical * ratio
+    basis = _basis(work, place, name, measured)
+    common = _UNKNOWN_MACHINE if basis is Basis.NOTHING else _BUSY
+    return Estimate(expected, basis, spread, common)
 
 
 def _unwrap_seconds(work: BakeWork) -> float:
@@ -203,9 +234,12 @@ def _capture_seconds(work: BakeWork) -> float:
 
 def _ratio(
     stage: str, typical: float, work: BakeWork, place: str, name: str, measured: Sequence[Measurement]
-) -> float:
-    """How many times as long as typical the stage takes: a weighted geometric mean of what was measured."""
-    total, weights = 0.0, _PRIOR
+) -> tuple[float, float]:
+    """How many times as long as typical the stage takes: a weighted geometric mean of what was measured.
+
+    Returns the ratio, and the standard deviation of its logarithm.
+    """
+    logs, weights, nearest = [0.0], [_PRIOR], _UNSURE
     for age, one in enumerate(reversed(measured)):
         seconds = one.seconds.get(stage, 0.0)
         of_one = typical_seconds(one.work).get(stage, 0.0)
@@ -214,10 +248,22 @@ def _ratio(
         is_same = (one.place, one.name) == (place, name)
         if stage == Stage.UNWRAP and not is_same and seconds < _NO_UNWRAP * of_one:
             continue
-        weight = _weight(stage, typical / of_one, work, is_same, one) * 0.5 ** (age / _HALF_LIFE)
-        total += weight * log(seconds / of_one)
-        weights += weight
-    return exp(total / weights)
+        growth = typical / of_one
+        weight = _weight(stage, growth, work, is_same, one)
+        if weight >= _OF_ITSELF and is_same:
+            certain = _OF_SAME + _BY_SIZE * abs(log(growth)) if one.finished else _OF_PROBE
+            nearest = min(nearest, certain)
+        logs.append(log(seconds / of_one))
+        weights.append(weight * 0.5 ** (age / _HALF_LIFE))
+    mean = sum(weight * value for weight, value in zip(weights, logs, strict=True)) / sum(weights)
+    if nearest == _UNSURE:  # of other objects: what they differ by
+        differ = sum(
+            min(w, 1.0) * (value - mean) ** 2 for w, value in zip(weights[1:], logs[1:], strict=True)
+        )
+        count = sum(min(w, 1.0) for w in weights[1:])
+        nearest = max(_LEAST_OF_OTHERS, sqrt((_OF_OTHERS**2 + differ) / (1.0 + count)) if count else _UNSURE)
+        nearest *= _UNWRAPS if stage == Stage.UNWRAP else 1.0
+    return exp(mean), nearest
 
 
 def _weight(stage: str, growth: float, work: BakeWork, is_same: bool, one: Measurement) -> float:

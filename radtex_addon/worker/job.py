@@ -11,9 +11,13 @@ from pathlib import Path
 from typing import Any
 
 from ..core.messages import Message
+from ..settings.estimate import EXPORT
+from ..settings.time_left import Course, Left
+from ..textures.export_spec import ExportTask
 from .order import Order, Work
 
 _NOTHING = Message("")
+_EXPORTED = frozenset(map(str, ExportTask))
 
 
 class JobState(StrEnum):
@@ -44,12 +48,13 @@ class Job:
     """An order in the queue, and its state.
 
     `stage` is None until the worker reports one. `fraction` of the work that is done, 0 to 1, never
-    decreases. `seconds_left` is an estimate, None while there is none. `message` is one line: the result, or
-    why the job failed. `picture` is the latest picture of what is done so far, `map` the UV map of a bake;
-    the worker's folder has the pictures while it runs. `files` and `facts` are what the worker reported when
-    it was done. `took`: seconds from its start to its end, None if it never started. `log`: the end of what
-    a failed worker said on standard error, such as a traceback. `begun`: a worker worked on it, if it is left
-    maybe that of an earlier Blender.
+    decreases. `course` is what its stages took so far; `left` is the time left by that at the last poll, None
+    before it runs and after its end. `message` is one line: the result, or why the job failed. `picture` is
+    the latest picture of what is done so far, `map` the UV map of a bake; the worker's folder has the
+    pictures while it runs. `files` and `facts` are what the worker reported when it was done. `took`: seconds
+    from its start to its end, None if it never started. `log`: the end of what a failed worker said on
+    standard error, such as a traceback. `begun`: a worker worked on it, if it is left maybe that of an
+    earlier Blender.
     """
 
     number: int
@@ -58,7 +63,8 @@ class Job:
     cancelling: bool = False
     stage: str | None = None
     fraction: float = 0.0
-    seconds_left: float | None = None
+    course: Course | None = None
+    left: Left | None = None
     message: Message = _NOTHING
     warnings: tuple[Message, ...] = ()
     picture: Path | None = None
@@ -89,11 +95,15 @@ class Job:
         """Whether the state is final."""
         return self.state not in (JobState.WAITING, JobState.RUNNING)
 
-    def hears(self, event: Mapping[str, Any]) -> Job:
-        """The job after the worker's `event`; unknown events change nothing."""
+    def begins(self) -> Job:
+        """The job when its worker starts."""
+        return replace(self, state=JobState.RUNNING, course=self.order.course, begun=True)
+
+    def hears(self, event: Mapping[str, Any], now: float = 0.0) -> Job:
+        """The job after an event, `now` seconds after the worker's start; unknown events change nothing."""
         match event.get("event"):
             case "progress":
-                return self._progressed(event["stage"], event["done"], event["total"], event["seconds_left"])
+                return self._progressed(event["stage"], event["done"], event["total"], now)
             case "warning":
                 return replace(self, warnings=(*self.warnings, Message.of_facts(event)))
             case "picture":
@@ -109,18 +119,21 @@ class Job:
     def ends(self, state: JobState, message: Message, took: float | None = None) -> Job:
         """The job after its worker has ended; an empty message keeps the current one."""
         whole = 1.0 if state is JobState.DONE else self.fraction
+        course = None if self.course is None or took is None else self.course.end(took)
         return replace(
             self,
             state=state,
             fraction=whole,
-            seconds_left=None,
+            course=course,
+            left=None,
             message=message if message.problem else self.message,
             took=took,
         )
 
-    def left(self) -> Job:
+    def left_over(self) -> Job:
         """The job once its Blender has ended before it was done."""
-        return replace(self, state=JobState.LEFT, cancelling=False, seconds_left=None, picture=None, map=None)
+        ended = replace(self, state=JobState.LEFT, cancelling=False, picture=None, map=None)
+        return replace(ended, course=None, left=None)
 
     def goes_on(self) -> Job:
         """The job that is left, to be done after all; a bake that was begun is resumed."""
@@ -131,15 +144,16 @@ class Job:
             order = replace(order, facts={**order.facts, "overwrite": True})
         return replace(self, order=order, state=JobState.WAITING, stage=None)
 
-    def _progressed(self, stage: str, done: float, total: float, left: float | None) -> Job:
+    def _progressed(self, stage: str, done: float, total: float, now: float) -> Job:
         here, past = self.order.stages.get(stage, 0.0), self._past(stage)
         part = done / total if total else 1.0
-        seconds = self.seconds_left
-        if left is not None and done < total and here:
-            rest = 1.0 - past - here
-            seconds = left + rest / here * left / (1.0 - part)
+        course = self.course or self.order.course
+        if self.work is Work.BAKE and stage in _EXPORTED:
+            course = course.at(EXPORT, 0.0, now)  # of one export of several
+        else:
+            course = course.at(stage, part, now)
         fraction = max(self.fraction, min(past + here * part, 1.0))
-        return replace(self, stage=stage, fraction=fraction, seconds_left=seconds)
+        return replace(self, stage=stage, fraction=fraction, course=course)
 
     def _past(self, stage: str) -> float:
         """The fraction of the work before a stage; 0 for a stage that the order does not list."""

@@ -156,7 +156,7 @@ def _left(job: Job, can_go_on: bool) -> Job:
         why = "Blender ended, and the copy of its scene is gone"
     if why:
         return replace(job, state=JobState.FAILED, message=Message(f"{why}: open its .blend and resume it"))
-    return job.left()
+    return job.left_over()
 
 
 def _facts_of(job: Job) -> dict[str, Any]:

@@ -13,6 +13,8 @@ from tempfile import mkstemp
 from typing import Any, TypeVar
 
 from ..formats.json_reader import json_text
+from ..settings.estimate import Estimate
+from ..settings.time_left import Course
 
 _Stage = TypeVar("_Stage", bound=str)
 
@@ -68,8 +70,9 @@ class Order:
     objects of a shared atlas. `folder` has the worker's own files; it is deleted with the last of its orders.
     `out` is the folder of the results. `blend` is the file to open, if any; `facts` is the rest of the order,
     as JSON's types. `stages` are the stages that the worker may report, in order, each with its fraction of
-    the whole time, 0 for one that this order skips; `seconds` is how long all of it typically takes. `remedy`
-    is what to do if the worker ends early.
+    the whole time, 0 for one that this order skips; `seconds` is how long all of it typically takes, and
+    `expected` of a bake what each stage takes and how sure that is. `remedy` is what to do if the worker ends
+    early.
     """
 
     work: Work
@@ -84,7 +87,14 @@ class Order:
     variant: str = ""
     shared: tuple[str, ...] = ()
     seconds: float = 1.0
+    expected: Estimate | None = None
     blend: Path | None = None
+
+    @property
+    def course(self) -> Course:
+        """How the job goes, before it has begun."""
+        stages = {stage: share * self.seconds for stage, share in self.stages.items() if share}
+        return Course(Estimate(stages) if self.expected is None else self.expected)
 
     def ended_early(self, reason: str) -> str:
         """The message for a worker that ended without reporting an error."""

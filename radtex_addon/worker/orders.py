@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,7 +13,7 @@ from ..bake.progress import Stage
 from ..core.sampler import Filter
 from ..job.variants import Bake, variant_of
 from ..report.report_progress import ReportTask
-from ..settings.estimate import BakeWork, typical_seconds
+from ..settings.estimate import BakeWork, Estimate, estimate
 from ..settings.kinds import is_default_kind
 from ..settings.spec import BakeSpec, facts_of
 from ..textures.export_spec import ExportSpec, ExportStep, ExportTask, Target, export_facts
@@ -23,9 +23,10 @@ if TYPE_CHECKING:
     from ..report.side_by_side import ComparisonSpec
     from ..report.viewpoint import Viewpoint
 
-_TRIANGLES = 16_000  # of a usual object: how long its bake's stages take, for a bar that runs evenly enough
+_TRIANGLES = 16_000  # of a usual object
 MEASURING = "measure"  # the stage of an estimate, in objects
 EXPORTING = "export"  # the stage of an export of several bakes, in bakes
+_EXPORT_SECONDS = 4.0  # of a usual export
 _EXPORT = {ExportTask.TEXTURES: 6, ExportTask.FLAT: 2, ExportTask.MESH: 1, ExportTask.PACK: 1}
 _COMPARISON = {ReportTask.REFERENCE: 20, ReportTask.COMPARE: 1}
 
@@ -42,11 +43,16 @@ def order_bake(
     resume: bool = False,
     exports: Sequence[Target] = (),
     picture: Path | None = None,
+    expected: Estimate | None = None,
 ) -> Order:
     """A bake of the object `name`, or of `spec.objects` by that name, as in `job.bake_steps`.
 
+    `expected` is how long it takes, where that is known better than by its settings alone.
+
     What is done so far is shown in the file `picture`, a PNG, and the UV map beside it, in a `.map.png`.
     """
+    if expected is None:
+        expected = _typical(spec, preview is not None, len(exports))
     return Order(
         work=Work.BAKE,
         object=name,
@@ -70,8 +76,9 @@ def order_bake(
             "exports": [str(target) for target in exports],
             "picture": None if picture is None else str(picture),
         },
-        stages=_stages(spec, preview is not None),
-        seconds=sum(_typical(spec, preview is not None).values()),
+        stages=parts({stage: expected.seconds.get(str(stage), 0.0) for stage in Stage}),
+        seconds=expected.total,
+        expected=expected.unsure() if resume or spec.incremental else expected,
         remedy="bake again, if memory ran out with fewer texels, cells or samples",
     )
 
@@ -120,6 +127,7 @@ def _export(
             "overwrite": overwrite,
         },
         stages=parts(_EXPORT) if len(set(outs)) == 1 else {EXPORTING: 1.0},
+        seconds=_EXPORT_SECONDS * len(set(outs)),
         remedy="export again",
     )
 
@@ -162,6 +170,7 @@ def order_comparison(
             "folder": str(out.absolute()),
         },
         stages=parts(_COMPARISON),
+        seconds=float(sum(_COMPARISON.values())),
         remedy="compare again, if memory ran out with fewer pixels",
     )
 
@@ -198,11 +207,7 @@ def _on_device(spec: BakeSpec, device: str) -> BakeSpec:
     return replace(spec, device=device) if spec.device == "auto" else spec
 
 
-def _stages(spec: BakeSpec, preview: bool) -> dict[str, float]:
-    """The fraction of the time that each stage of a bake typically takes; they add up to 1."""
-    typical = _typical(spec, preview)
-    return parts({stage: typical.get(str(stage), 0.0) for stage in Stage})
-
-
-def _typical(spec: BakeSpec, preview: bool) -> Mapping[str, float]:
-    return typical_seconds(BakeWork.of(spec, _TRIANGLES, preview=preview, device=spec.device))
+def _typical(spec: BakeSpec, preview: bool, exports: int) -> Estimate:
+    """How long a bake of a usual object takes, on a machine of which nothing is known."""
+    work = BakeWork.of(spec, _TRIANGLES, preview=preview, exports=exports, device=spec.device)
+    return estimate(work, "", "", ())

@@ -16,9 +16,11 @@ from time import monotonic, time
 from ..core.errors import RadTexError
 from ..core.messages import Message
 from ..formats.disk.atomic import remove_unfinished
+from ..settings.time_left import time_left
 from .job import Job, JobState
 from .order import Order, Program, command_line, write_order
 from .process import Worker
+from .together import courses_before
 
 _SIGN_OF_LIFE = 600.0  # seconds
 
@@ -114,7 +116,7 @@ class Queue:
         self._leaves = leave
         for entry in self._entries:
             if leave and entry.job.state is JobState.WAITING:
-                entry.job = entry.job.left()
+                entry.job = entry.job.left_over()
         if not leave:
             self.cancel_all()
         if self._running is not None:
@@ -135,11 +137,15 @@ class Queue:
             return
         self._running = entry, worker
         entry.started = monotonic()
-        entry.job = replace(entry.job, state=JobState.RUNNING, begun=True)
+        entry.job = entry.job.begins()
 
     def _hear(self, entry: _Entry, worker: Worker) -> None:
+        now = 0.0 if entry.started is None else monotonic() - entry.started
         for event in worker.events():
-            entry.job = entry.job.hears(event)
+            entry.job = entry.job.hears(event, now)
+        if entry.job.course is not None:
+            left = time_left(entry.job.course, now, courses_before(entry.job, self.snapshot()))
+            entry.job = replace(entry.job, left=left)
         if worker.ended is None:
             return
         self._running = None
@@ -159,7 +165,7 @@ class Queue:
     def _end(self, entry: _Entry, state: JobState, message: Message) -> None:
         took = None if entry.started is None else monotonic() - entry.started
         if self._leaves and state is JobState.CANCELLED and not entry.job.cancelling:
-            entry.job = entry.job.left()
+            entry.job = entry.job.left_over()
             return
         entry.job = entry.job.ends(state, message, took)
         self._clear(entry.job.order.folder)

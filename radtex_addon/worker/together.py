@@ -7,23 +7,22 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from ..settings.time_left import Course, Left, time_left
 from .job import Job, JobState
 from .order import Work
-
-_LEAST = 0.02  # of a running job, before its pace is told
 
 
 @dataclass(frozen=True)
 class Together:
     """Of `count` bakes so many are `done`, a `fraction` of the work, 0 to 1.
 
-    `seconds_left` is None while it is not known.
+    `left` is the time left of all of them.
     """
 
     done: int
     count: int
     fraction: float
-    seconds_left: float | None
+    left: Left | None
 
 
 def together_of(jobs: Sequence[Job], spent: Mapping[int, float]) -> Together | None:
@@ -47,23 +46,27 @@ def together_of(jobs: Sequence[Job], spent: Mapping[int, float]) -> Together | N
     whole = sum(job.order.seconds for job in others)
     reached = sum(job.order.seconds * (1.0 if job.ended else job.fraction) for job in others)
     done = sum(job.ended for job in others)
-    return Together(
-        done, len(others), reached / whole if whole else done / len(others), _left(others, running, spent)
-    )
+    left = _left(others, running, spent.get(running.number, 0.0))
+    return Together(done, len(others), reached / whole if whole else done / len(others), left)
 
 
-def _left(jobs: Sequence[Job], running: Job, spent: Mapping[int, float]) -> float | None:
-    """Seconds left by the pace of what is done, beside what the running job says of itself."""
-    finished = [job for job in jobs if job.state is JobState.DONE and job.took is not None]
-    took = sum(job.took or 0.0 for job in finished)
-    work = sum(job.order.seconds for job in finished)
-    if running.fraction >= _LEAST:
-        took += spent.get(running.number, 0.0)
-        work += running.fraction * running.order.seconds
-    if not (took and work):
+def courses_before(running: Job, jobs: Sequence[Job]) -> list[Course]:
+    """The courses of bakes that are done, of those asked for together with `running`, the latest last.
+
+    Those that were done when it was asked for are in what it is expected to take.
+    """
+    return [
+        job.course
+        for job in jobs
+        if (job.work, job.order.folder) == (running.work, running.order.folder)
+        and job.state is JobState.DONE
+        and job.course is not None
+    ]
+
+
+def _left(jobs: Sequence[Job], running: Job, now: float) -> Left | None:
+    """The time left of the running job, and of those that wait for it."""
+    if running.course is None:
         return None
-    pace = took / work
-    own = running.seconds_left
-    if own is None:
-        own = pace * running.order.seconds * (1.0 - running.fraction)
-    return own + pace * sum(job.order.seconds for job in jobs if job.state is JobState.WAITING)
+    waiting = [job.order.course.expected for job in jobs if job.state is JobState.WAITING]
+    return time_left(running.course, now, courses_before(running, jobs), waiting)

@@ -83,7 +83,7 @@ def test_inside_blender_the_open_file_is_looked_at(room: Path, baked: Path, page
     code, out, err = batch("report", baked / "Ball.radiance.json", *words, inside_blender=True)
     assert code == 0
     assert err.splitlines()[0] == "Ball: finding its UV layer"
-    assert "Ball: path tracing" in err.splitlines()
+    assert "Ball: rendering the original" in err.splitlines()
     assert out.splitlines()[1] == f"  {page}"
     assert page.read_text(encoding="utf-8").startswith("<!doctype html>")
 
@@ -104,7 +104,7 @@ def test_variants_are_told_apart(room: Path, baked: Path, page: Path, batch: Bat
     code, out, err = batch("report", baked, "--scene", room, "--out", page, "--variants", *QUICK)
     assert code == 0
     for part in ("samples", "cells", "texels"):
-        assert f"Ball, half the {part}: rendering" in err.splitlines()
+        assert f"Ball, half the {part}: rendering the light" in err.splitlines()
     assert "halving any costs less than" in out or "First give it more " in out
 
 

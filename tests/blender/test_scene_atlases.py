@@ -25,6 +25,7 @@ from radtex_addon.job.assets import read_shown
 from radtex_addon.job.bake_request import BakeRequest
 from radtex_addon.job.layout_choice import OpenLayout
 from radtex_addon.job.scene_atlases import SceneAtlas, find_scene_atlases, requests_of
+from radtex_addon.settings.estimate import Estimate
 from radtex_addon.settings.spec import BakeSpec, Kind
 from radtex_addon.textures.export_spec import ExportStep, ExportTask
 from tests.blender import stage
@@ -187,7 +188,7 @@ def test_the_time_left_follows_what_stages_took() -> None:
     """Bakes whose stages take three times as long as is typical."""
     now = [0.0]
     work = {"capture": 20.0, "fit": 10.0}
-    progress = WholeProgress([work] * 3, clock=lambda: now[0])
+    progress = WholeProgress([Estimate(work, common=0.5)] * 3, clock=lambda: now[0])
     shares, errors = [], []
     for bake in range(3):
         progress.begin()
@@ -196,8 +197,9 @@ def test_the_time_left_follows_what_stages_took() -> None:
                 whole = progress.at(Progress(stage_, done, 10))
                 shares.append(whole.share)
                 truth = 3 * 30 * 3 - now[0]
-                if bake and whole.seconds_left is not None and truth > 0:
-                    errors.append(abs(whole.seconds_left - truth) / (truth + 30))
+                if bake and truth > 0:
+                    assert whole.left.is_known
+                    errors.append(abs(whole.left.seconds - truth) / (truth + 30))
                 now[0] += 0.3 * work[str(stage_)] if done < 10 else 0
     assert shares == sorted(shares)
     assert shares[0] == 0
@@ -206,7 +208,7 @@ def test_the_time_left_follows_what_stages_took() -> None:
 
 
 def test_an_export_comes_after_all_stages_of_a_bake() -> None:
-    progress = WholeProgress([{"capture": 20.0, "fit": 10.0}] * 2)
+    progress = WholeProgress([Estimate({"capture": 20.0, "fit": 10.0})] * 2)
     progress.begin()
     progress.at(Progress(Stage.CAPTURE, 10, 10))
     assert progress.at(ExportStep(ExportTask.TEXTURES, 1, 2)).share == 0.5

@@ -103,7 +103,7 @@ def test_a_worker_bakes_and_exports_what_the_button_asks_for(out: Path, tmp_path
     plane()
     submit(texels=8, bucket=4, samples=2, export_targets={"gltf"})
     assert bpy.app.timers.is_registered(jobs._pulse)
-    assert phrase(jobs.snapshot()[0]) == "Starting"
+    assert phrase(jobs.snapshot()[0]) == "Starting, time left: not known yet"
     wait_for(JobState.DONE)
     (job,) = jobs.snapshot()
     assert (job.fraction, phrase(job)) == (1.0, "Done")

@@ -180,7 +180,7 @@ def test_every_stage_of_a_job_has_its_words() -> None:
     stages = {stage.value for stages in (Stage, ExportTask, compared) for stage in stages}
     assert set(labels.STAGES) == {*stages, EXPORTING}
     assert labels.stage(None) == "Starting"
-    assert labels.stage("capture") == "Tracing paths"
+    assert labels.stage("capture") == "Rendering the light"
 
 
 @pytest.mark.parametrize(

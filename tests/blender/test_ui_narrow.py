@@ -16,6 +16,7 @@ import pytest
 from radtex_addon.core.messages import Message
 from radtex_addon.settings.spec import BakeSpec
 from radtex_addon.settings.targets import Target
+from radtex_addon.settings.time_left import Left
 from radtex_addon.textures.export_spec import ExportSpec
 from radtex_addon.ui.jobs import jobs
 from radtex_addon.ui.panel import fitting, panel_state
@@ -142,7 +143,9 @@ def every_job(folder: Path) -> tuple[Job, ...]:
     lost = Message("image 'Oak' is missing: put //textures/kitchen/wood/oak_planks_colour_4k.png back")
     job = Job(1, bake, warnings=(lost,), map=JobMap(folder / "map.png", 41, 0.55), took=700.0)
     return (
-        replace(job, state=JobState.RUNNING, stage="surroundings", fraction=0.3, seconds_left=4000.0),
+        replace(
+            job, state=JobState.RUNNING, stage="surroundings", fraction=0.3, left=Left(4000.0, 3000.0, 5400.0)
+        ),
         replace(job, number=2, state=JobState.RUNNING, stage="surroundings"),
         replace(job, number=3),
         replace(job, number=4, state=JobState.CANCELLED),

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -15,6 +16,7 @@ import pytest
 
 from radtex_addon.job.bake_plan import plan_bakes
 from radtex_addon.report.finished_bake import objects_and_frame
+from radtex_addon.settings.time_left import Left, time_left
 from radtex_addon.ui.jobs import jobs
 from radtex_addon.ui.operators.scene_operator import RADTEX_OT_bake_scene
 from radtex_addon.ui.operators.texels_operator import atlases_of_scene, squares_of
@@ -73,9 +75,8 @@ def test_the_dialog_tells_atlases_texels_and_time() -> None:
     assert next(line for line, icon in lines if icon == "TEXTURE").startswith(
         "'Scene_shell' has 'Floor', 'Wall N' and 'Wall W': "
     )
-    assert any(
-        line.startswith("2 bakes are left to do, in roughly") for line, icon in lines if icon == "TIME"
-    )
+    told = r"2 bakes are left to do, in [\d.]+( s| min)? to [\d.]+ (s|min)"
+    assert any(re.fullmatch(told, line) for line, icon in lines if icon == "TIME")
     for name in FURNITURE:
         context.scene.objects[name].select_set(True)
     assert [line.partition(":")[0] for line, icon in foreseen("SELECTED") if icon == "TEXTURE"] == [
@@ -191,13 +192,24 @@ def test_one_bar_goes_over_the_bakes_of_a_scene() -> None:
     assert fractions == sorted(fractions)
     assert 0.5 <= fractions[-1] <= 1
     assert jobs.together() is None
-    assert told_together(replace(seen[-1], seconds_left=100.0)) == "1 of 2 bakes, 2 min left"
+    left = Left(95.0, 70.0, 130.0)
+    assert told_together(replace(seen[-1], left=left)) == "1 of 2 bakes, 1 to 2 min left"
+    assert told_together(replace(seen[-1], left=None)) == "1 of 2 bakes, time left: not known yet"
     running, other = (replace(job, state=JobState.RUNNING, fraction=0.5) for job in jobs.snapshot())
     waiting = replace(other, state=JobState.WAITING, fraction=0.0)
+    running = replace(running, course=running.order.course.at("capture", 0.5, 10.0))
     told = together_of([running, waiting], {running.number: 10.0})
     assert told is not None
     assert told.fraction == pytest.approx(0.25)
-    assert told.seconds_left == pytest.approx(30.0), "as the pace says"
+    slower = replace(running, course=running.order.course.at("capture", 0.0, 20.0).at("capture", 0.5, 40.0))
+    late = together_of([slower, waiting], {running.number: 40.0})
+    assert told.left is not None
+    assert late is not None
+    assert late.left is not None
+    alone = slower.course
+    assert alone is not None
+    assert told.left.seconds > 2.0, "the one that waits is counted, too"
+    assert late.left.seconds > time_left(alone, 40.0).seconds + waiting.order.seconds, "at this one's pace"
     assert together_of([running], {}) is None
     elsewhere = replace(waiting, order=replace(waiting.order, folder=Path("elsewhere")))
     assert together_of([running, elsewhere], {}) is None, "it was not asked for at the same time"

@@ -24,8 +24,10 @@ from radtex_addon.core.sampler import Filter
 from radtex_addon.report.side_by_side import ComparisonSpec
 from radtex_addon.report.viewpoint import Viewpoint
 from radtex_addon.settings.choices import Backs
+from radtex_addon.settings.estimate import EXPORT
 from radtex_addon.settings.options import MARKED
 from radtex_addon.settings.spec import BakeSpec, Kind, Layer, Layout, Split, View
+from radtex_addon.settings.time_left import time_left
 from radtex_addon.textures.export_spec import (
     Arrangement,
     ExportSpec,
@@ -234,8 +236,8 @@ def test_an_order_says_what_to_do_when_it_ended_early(asked: Order, words: str) 
 # what a worker says
 
 
-def progress(stage: Stage, done: int, total: int, left: float | None = None) -> Mapping[str, Any]:
-    return {"event": "progress", "stage": str(stage), "done": done, "total": total, "seconds_left": left}
+def progress(stage: Stage, done: int, total: int) -> Mapping[str, Any]:
+    return {"event": "progress", "stage": str(stage), "done": done, "total": total, "seconds_left": None}
 
 
 def job(spec: BakeSpec | None = None) -> Job:
@@ -265,14 +267,35 @@ def test_the_bar_never_runs_back() -> None:
 
 
 def test_the_time_left_covers_what_comes_after_a_stage() -> None:
-    assert job().hears(progress(Stage.CAPTURE, 0, 4)).seconds_left is None
-    half = job().hears(progress(Stage.CAPTURE, 2, 4, left=30))
-    assert half.seconds_left is not None
-    assert 30 < half.seconds_left < 60
-    assert half.hears(progress(Stage.WRITE, 0, 1)).seconds_left == half.seconds_left
-    layered = job(SPECS["layered"]).hears(progress(Stage.CAPTURE, 2, 4, left=30))
-    assert layered.seconds_left is not None
-    assert layered.seconds_left > half.seconds_left, "fitting is to come"
+    def left(known: Job, now: float) -> float:
+        assert known.course is not None
+        return time_left(known.course, now).seconds
+
+    def half_of(known: Job) -> Job:
+        return known.hears(progress(Stage.CAPTURE, 0, 4), 5.0).hears(progress(Stage.CAPTURE, 2, 4), 35.0)
+
+    half, layered = half_of(job()), half_of(job(SPECS["layered"]))
+    assert left(half, 35.0) > 20.0
+    assert left(layered, 35.0) > left(half, 35.0), "fitting is to come"
+    written = half.hears(progress(Stage.WRITE, 0, 1), 65.0)
+    assert left(written, 65.0) < left(half, 35.0) / 2
+    assert left(half, 35.0) - left(half, 40.0) == pytest.approx(5.0, abs=3.0), "time goes by between reports"
+
+
+def test_the_exports_of_a_bake_are_in_its_time_left() -> None:
+    known = Job(
+        1, order_bake(HANDOVER, "Vase", BakeSpec(), FOLDER, exports=(Target.RAW, Target.WEB))
+    ).begins()
+    assert known.course is not None
+    assert known.course.to_come[EXPORT] > 0
+    exporting = known.hears({**progress(Stage.WRITE, 0, 1), "stage": "textures"}, 20.0)
+    exporting = exporting.hears({**progress(Stage.WRITE, 0, 1), "stage": "pack"}, 23.0)
+    assert exporting.course is not None
+    assert (exporting.course.stage, exporting.stage) == (EXPORT, "pack")
+    assert not exporting.course.to_come
+    ended = exporting.ends(JobState.DONE, Message("done"), 25.0).course
+    assert ended is not None
+    assert ended.took[EXPORT] == pytest.approx(5.0)
 
 
 def test_a_bakes_bar_gives_each_stage_what_it_typically_takes() -> None:

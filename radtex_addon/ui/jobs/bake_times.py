@@ -76,7 +76,7 @@ def remember_job(scene: BakedScene, job: Job, seconds: float) -> None:
     """Add a bake that a worker has finished in so many `seconds`, unless it went on with an earlier one."""
     from ...formats.json_reader import Facts
     from ...settings.bake_history import remember
-    from ...settings.estimate import START, BakeWork, Measurement
+    from ...settings.estimate import EXPORT, START, BakeWork, Measurement
     from ...settings.spec import spec_in
 
     facts, order = job.facts, job.order.facts
@@ -91,10 +91,12 @@ def remember_job(scene: BakedScene, job: Job, seconds: float) -> None:
         covered=facts["covered_texels"],
         texels=max(facts["texels"]),
         preview=order["preview"] is not None,
+        exports=len(order["exports"]),
         device=facts["device"],
     )
     by_stage = dict(facts["seconds"])
-    if not order["exports"]:  # they take time that no stage counts
-        by_stage[START] = max(0.0, seconds - sum(by_stage.values()))
+    if order["exports"]:  # they take time that no stage of the bake counts
+        by_stage[EXPORT] = 0.0 if job.course is None else job.course.took.get(EXPORT, 0.0)
+    by_stage[START] = max(0.0, seconds - sum(by_stage.values()))
     made = Measurement(scene.key, job.object, work, by_stage, shown_triangles=scene.triangles)
     remember(history_file(), made)

@@ -8,7 +8,7 @@ A worker measures all objects in one process; without a window this process does
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from time import monotonic
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -22,8 +22,9 @@ if TYPE_CHECKING:
     from ...core.messages import Message
     from ...job.probes import Probe
     from ...job.variants import Bake
-    from ...settings.estimate import BakeWork, Basis
+    from ...settings.estimate import BakeWork, Basis, Estimate
     from ...settings.spec import BakeSpec
+    from ...settings.time_left import Left
     from ...worker.job import Job
     from ...worker.queue import Queue
 
@@ -33,10 +34,14 @@ _PULSE = 0.5  # seconds between two polls of the worker, and so at least between
 
 
 class KnownTime(NamedTuple):
-    """Expected seconds of bakes together, and the worst of what the estimates of the single ones rest on."""
+    """Expected seconds of bakes together, and the worst of what the estimates of the single ones rest on.
+
+    `range` is how long they take at least and at most.
+    """
 
     seconds: float
     basis: Basis
+    range: Left
 
 
 class _Probed(NamedTuple):
@@ -72,17 +77,30 @@ def seconds_known(scene: bpy.types.Scene, bakes: Iterable[Bake]) -> KnownTime | 
     It is that of the whole job: the worker's start, the bake, and the preview, but no exports. Quick; nothing
     is measured.
     """
-    from ...settings.estimate import Basis, estimate
+    from ...settings.estimate import Basis
+    from ...settings.time_left import NO_TIME, expected_time
 
-    place, history = bake_times.scene_key(scene.name), bake_times.measured()
-    total, bases = 0.0, []
+    preview: bool = scene.radtex.preview  # type: ignore[attr-defined]  # ours, not Blender's
+    total, bases, together = 0.0, [], NO_TIME
     for name, spec in bakes:
-        found = _session.probes.get(_key(scene, name, spec))
-        probes = () if found is None else found.probe.measurements(place, name, found.spec)
-        made = estimate(_work_of(scene, name, spec), place, name, (*history, *probes))
+        made = expected_of(scene, name, spec, preview)
         total += made.total
         bases.append(made.basis)
-    return KnownTime(total, max(bases, key=list(Basis).index)) if bases else None
+        together += expected_time(made)
+    return KnownTime(total, max(bases, key=list(Basis).index), together) if bases else None
+
+
+def expected_of(
+    scene: bpy.types.Scene, name: str, spec: BakeSpec, preview: bool, exports: int = 0
+) -> Estimate:
+    """The expected time of each stage of a bake, with so many exports, by all that was measured here."""
+    from ...settings.estimate import estimate
+
+    place, history = bake_times.scene_key(scene.name), bake_times.measured()
+    found = _session.probes.get(_key(scene, name, spec))
+    probes = () if found is None else found.probe.measurements(place, name, found.spec)
+    work = replace(_work_of(scene, name, spec), preview=preview, exports=exports)
+    return estimate(work, place, name, (*history, *probes))
 
 
 def probe_now(scene: bpy.types.Scene, bakes: Iterable[Bake]) -> None:
@@ -205,7 +223,6 @@ def _work_of(scene: bpy.types.Scene, name: str, spec: BakeSpec) -> BakeWork:
     from ...settings.estimate import BakeWork
 
     device = preferred_device() if spec.device == "auto" else spec.device
-    preview: bool = scene.radtex.preview  # type: ignore[attr-defined]  # ours, not Blender's
     shown = _shown_triangles(scene, name, spec)
     triangles, texels, share = shown, spec.texels, None
     found = _session.probes.get(_key(scene, name, spec))
@@ -223,7 +240,7 @@ def _work_of(scene: bpy.types.Scene, name: str, spec: BakeSpec) -> BakeWork:
             triangles = _triangles_now(work.triangles, last[-1].shown_triangles, shown)
             share = work.covered / work.texels**2
     covered = None if share is None else max(1, round(share * texels**2))
-    return BakeWork.of(spec, triangles, covered=covered, texels=texels, preview=preview, device=device)
+    return BakeWork.of(spec, triangles, covered=covered, texels=texels, device=device)
 
 
 def _triangles_now(baked: int, shown_then: int, shown_now: int) -> int:

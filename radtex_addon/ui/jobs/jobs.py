@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING
 import bpy
 
 from ..panel import job_ends, panel_state
-from ..panel.labels import duration
 from ..panel.redraw import redraw
 from . import bake_times, job_files, pictures
 from .bake_times import BakedScene
@@ -167,6 +166,7 @@ def submit(scene: bpy.types.Scene, plans: Sequence[BakePlan], names: Sequence[st
     from ...worker.handover import hand_over
     from ...worker.orders import order_bake
     from ..settings.preferences import preferred
+    from . import estimates
 
     free = {id(plan): _free(plan) for plan in plans}
     bakes = [(plan, bake) for plan, bake in in_order(plans, names) if bake in free[id(plan)]]
@@ -186,6 +186,9 @@ def submit(scene: bpy.types.Scene, plans: Sequence[BakePlan], names: Sequence[st
                 resume=plan.course_of((name, spec)).resume,
                 exports=plan.request.exports,
                 picture=handover.folder / f"picture-{number}.png",
+                expected=estimates.expected_of(
+                    scene, name, spec, plan.request.preview is not None, len(plan.request.exports)
+                ),
             )
             for number, (plan, (name, spec)) in enumerate(bakes)
         ),
@@ -455,10 +458,12 @@ def _pulse() -> float | None:
 
 def _as_drawn(shown: Iterable[Job]) -> list[tuple[Job, str]]:
     """The jobs with whole percents, and the time left in words, as exactly as the panel shows them."""
+    from ...settings.time_left import told_left
+
     return [
         (
-            replace(job, fraction=round(job.fraction, 2), seconds_left=None),
-            "" if job.seconds_left is None else duration(job.seconds_left),
+            replace(job, fraction=round(job.fraction, 2), left=None, course=None),
+            told_left(job.left),
         )
         for job in shown
     ]

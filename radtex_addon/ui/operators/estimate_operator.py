@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import bpy
 
 from ..jobs import estimates
-from ..panel.labels import duration, remark
+from ..panel.labels import capitalized, expected_range, remark
 from ..settings.chosen_objects import chosen_names, nothing_chosen
 from .bake_operator import can_bake, shown
 
@@ -48,7 +48,7 @@ class RADTEX_OT_estimate(bpy.types.Operator):
             return {"CANCELLED"}
         known = estimates.seconds_known(scene, bakes)
         assert known is not None  # there is an object to bake, as the poll says
-        self.report({"INFO"}, f"About {duration(known.seconds)}")
+        self.report({"INFO"}, capitalized(expected_range(known.range)))
         return {"FINISHED"}
 
 

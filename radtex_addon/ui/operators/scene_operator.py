@@ -11,7 +11,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty
 
 from ..panel.fitting import draw_wrapped
-from ..panel.labels import duration, iface_, remark
+from ..panel.labels import expected_range, iface_, remark
 from ..settings.chosen_objects import chosen_by, selected_meshes
 from .bake_operator import bake_here, can_bake, check_plan, questions, show_objects, shown
 from .export_dialog import WIDTH
@@ -216,8 +216,8 @@ class RADTEX_OT_bake_scene(MayWait, bpy.types.Operator):
         if not bakes:
             lines.append((iface_("All of it is baked"), "CHECKMARK"))
         elif known is not None:
-            told = iface_("{} bakes are left to do, in roughly {}")
-            lines.append((told.format(len(bakes), duration(known.seconds)), "TIME"))
+            told = iface_("{} bakes are left to do, in {}")
+            lines.append((told.format(len(bakes), expected_range(known.range)), "TIME"))
         lines += [(question, "ERROR") for question in asked[:_MOST]]
         return (*lines, *((remark(line), "INFO") for line in left_out_lines(found.left_out)[:_MOST]))
 

@@ -11,7 +11,7 @@ import bpy
 
 from ..jobs import estimates
 from .fitting import draw_button, draw_text, fits_beside, fitting, sidebar_room
-from .labels import duration, iface_, number, remark, size
+from .labels import duration, expected_range, iface_, number, remark, size
 from .main_panel import Sidebar, drawn
 
 if TYPE_CHECKING:
@@ -47,12 +47,12 @@ class RADTEX_PT_cost(Sidebar, bpy.types.Panel):
         if found.atlases > 1:
             draw_text(layout, iface_("For each object, at most:"))
         shown = figures(found.cost)
-        if found.seconds is not None:
-            shown.append((iface_("Time, all"), told_time(found.seconds)))
+        if found.range is not None:
+            shown.append((iface_("Time, all"), expected_range(found.range)))
         beside = all(fits_beside(label, [value]) for label, value in shown)
         for label, value in shown:
             _draw_figure(layout, label, value, beside)
-        if found.seconds is not None and found.basis is not None:
+        if found.range is not None and found.basis is not None:
             draw_text(layout, told_basis(found.basis))
         _draw_button(layout)
         if failed := estimates.message():
@@ -89,11 +89,6 @@ def _shown_folder(folder: Path) -> str:
     if bpy.data.filepath and folder.is_relative_to(home):
         return f"//{folder.relative_to(home).as_posix()}"
     return str(folder)
-
-
-def told_time(seconds: float) -> str:
-    """The expected time of the bakes, without false precision."""
-    return iface_("about {}").format(duration(seconds))
 
 
 def told_basis(basis: Basis) -> str:

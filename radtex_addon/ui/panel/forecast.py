@@ -6,6 +6,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import reduce
+from operator import add
 from typing import TYPE_CHECKING
 
 import bpy
@@ -144,7 +146,7 @@ def _of_group(scene: bpy.types.Scene, group: BakedGroup, patience: float) -> For
     if names and asked.split is None and (len(chosen) >= len(names) or chosen[0][1].spec.objects):
         known = estimates.seconds_known(scene, [(name, choice.spec) for name, choice in chosen if name])
         if known is not None:
-            found = replace(found, seconds=known.seconds, basis=known.basis)
+            found = replace(found, seconds=known.seconds, range=known.range, basis=known.basis)
     try:
         request = request_of(values, names)
     except InputError as error:
@@ -156,8 +158,9 @@ def _of_group(scene: bpy.types.Scene, group: BakedGroup, patience: float) -> For
         there = str(_where_begun(scene, request).folder)
         begun = chosen_layouts(scene, names, values | {"resume": True, "directory": there}, asked, patience)
         found = replace(found, layout=told_layouts(values, begun))
-    if found.seconds is not None and not found.errors:
-        found = replace(found, seconds=found.seconds * _count_of_variants(scene, request))
+    if found.seconds is not None and found.range is not None and not found.errors:
+        count = _count_of_variants(scene, request)
+        found = replace(found, seconds=count * found.seconds, range=found.range * count)
     unseen = 0 if spec.objects else max(len(names) - len(chosen), 0)
     return replace(
         found,
@@ -251,12 +254,14 @@ def _joined(groups: Sequence[Forecast]) -> Forecast:
         return groups[0]
     dearest = max(groups, key=lambda group: group.cost.gpu if group.cost is not None else -1)
     seconds = [group.seconds for group in groups if group.seconds is not None]
+    ranges = [group.range for group in groups if group.range is not None]
     return replace(
         dearest,
         objects=tuple(name for group in groups for name in group.objects),
         errors=tuple(dict.fromkeys(error for group in groups for error in group.errors)),
         warnings=tuple(dict.fromkeys(warning for group in groups for warning in group.warnings)),
         seconds=sum(seconds) if len(seconds) == len(groups) else None,
+        range=reduce(add, ranges) if len(ranges) == len(groups) else None,
         basis=_vaguest([group.basis for group in groups]),
         next=_joint(groups),
         needs_folder=any(group.needs_folder for group in groups),

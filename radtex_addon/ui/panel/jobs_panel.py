@@ -16,7 +16,7 @@ from ..jobs import browser, job_files, jobs, pictures
 from ..jobs.job_files import Fate
 from ..operators.switch import draw_show, draw_small_switch
 from .fitting import draw_button, draw_text, draw_title, fitting, side_by_side, sidebar_room
-from .labels import duration, iface_, number, remark, size, stage
+from .labels import duration, iface_, number, remark, size, stage, time_left_briefly, time_left_of
 from .main_panel import Sidebar
 from .next_buttons import draw_action
 
@@ -105,19 +105,16 @@ def told_left(count: int) -> str:
 
 
 def told_together(together: Together) -> str:
-    """How many of several bakes are done, and the time left, if that is known."""
+    """How many of several bakes are done, and the time left of all."""
     told = iface_("{} of {} bakes").format(together.done, together.count)
-    if together.seconds_left is None:
-        return told
-    return iface_("{}, {} left").format(told, duration(together.seconds_left))
+    return f"{told}, {time_left_of(together.left)}"
 
 
 def told_together_briefly(together: Together) -> str:
     """The same in fewer words, for a bar too narrow for it."""
-    if together.seconds_left is None:
-        return iface_("{} of {}").format(together.done, together.count)
-    left = duration(together.seconds_left)
-    return iface_("{} of {}, {}").format(together.done, together.count, left)
+    told = iface_("{} of {}").format(together.done, together.count)
+    left = time_left_briefly(together.left)
+    return f"{told}, {left}" if left else told
 
 
 def job_title(job: Job) -> str:
@@ -135,23 +132,21 @@ def job_title(job: Job) -> str:
 
 
 def phrase(job: Job) -> str:
-    """The job's state or stage, and the time left if known."""
+    """The job's state or stage, and the time left."""
     if job.cancelling and not job.ended:
         return iface_("Stopping")
     if job.state == "left":
         return iface_("Begun, not finished" if job.begun else "Not begun")
     if job.state != "running":
         return iface_(job.state.value.capitalize())
-    if job.seconds_left is None:
-        return stage(job.stage)
-    return iface_("{}, {} left").format(stage(job.stage), duration(job.seconds_left))
+    return f"{stage(job.stage)}, {time_left_of(job.left)}"
 
 
 def phrase_briefly(job: Job) -> str:
     """The same of a running job in fewer words, for a bar too narrow for it."""
     if job.cancelling or job.state != "running":
         return phrase(job)
-    return f"{job.fraction:.0%}" if job.seconds_left is None else duration(job.seconds_left)
+    return time_left_briefly(job.left) or f"{job.fraction:.0%}"
 
 
 def _draw_job(column: Any, job: Job) -> None:

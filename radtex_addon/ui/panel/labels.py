@@ -16,6 +16,7 @@ from ...settings.options import CALLED
 
 if TYPE_CHECKING:
     from ...core.errors import RadTexError
+    from ...settings.time_left import Left
 
 _translations: Any = translations  # the stubs type its functions as returning None
 
@@ -39,21 +40,21 @@ LABELS: dict[str, str] = {
 STAGES = {  # labels of the stages of bakes, exports and comparisons
     "evaluate": "Reading the mesh",
     "unwrap": "Unwrapping",
-    "raster": "Placing texels",
+    "raster": "Laying out the texture",
     "probe": "Finding hidden parts",
-    "capture": "Tracing paths",
-    "surroundings": "Rendering surroundings",
+    "capture": "Rendering the light",
+    "surroundings": "Rendering what is around it",
     "fill": "Filling gaps",
     "denoise": "Denoising",
-    "fit": "Fitting textures",
+    "fit": "Making the textures",
     "write": "Writing files",
     "preview": "Making the preview",
-    "textures": "Making textures",
+    "textures": "Converting textures",
     "flat": "Making the flat picture",
     "mesh": "Writing the mesh",
     "pack": "Packing it up",
     "export": "Exporting",
-    "reference": "Tracing paths",
+    "reference": "Rendering the original",
     "compare": "Comparing",
 }
 
@@ -84,6 +85,25 @@ def duration(seconds: float) -> str:
     if seconds < 90 * 60:
         return iface_("{:.0f} min").format(seconds / 60)
     return iface_("{:.1f} h").format(seconds / 3600)
+
+
+def time_left_of(left: Left | None) -> str:
+    """The time left of a job in words, such as "1 to 2 min left"."""
+    from ...settings.time_left import told_left
+
+    return told_left(left, iface_)
+
+
+def time_left_briefly(left: Left | None) -> str:
+    """The same in fewer words, such as "1 to 2 min"; nothing if it is not known."""
+    return expected_range(left) if left is not None and left.is_known else ""
+
+
+def expected_range(left: Left) -> str:
+    """How long something is expected to take, such as "1 to 2 min" or "about 40 s"."""
+    from ...settings.time_left import told_range
+
+    return told_range(left, iface_)
 
 
 def stage(name: str | None) -> str:

@@ -30,7 +30,7 @@ from .fitting import (
     sidebar_room,
 )
 from .job_ends import TAB
-from .labels import capitalized, duration, iface_, size
+from .labels import capitalized, expected_range, iface_, size
 from .next_buttons import bake_buttons, draw_action, draw_buttons, told_copies
 from .panel_state import Forecast, Next, cached_forecast
 
@@ -104,9 +104,8 @@ def time_and_size(found: Forecast) -> str:
     told = iface_("at most {}").format(size(found.cost.gpu))
     if found.atlases > 1:
         told = iface_("at most {} each").format(size(found.cost.gpu))
-    if found.seconds is not None:
-        about = iface_("about {}, {}") if found.basis in ("baked", "measured") else iface_("roughly {}, {}")
-        told = about.format(duration(found.seconds), told)
+    if found.range is not None:
+        told = f"{expected_range(found.range)}, {told}"
     return capitalized(told)
 
 

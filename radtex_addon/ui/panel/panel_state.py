@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from ...settings.cost import Cost
     from ...settings.estimate import Basis
     from ...settings.spec import BakeSpec
+    from ...settings.time_left import Left
     from .not_baked import NotBaked
 
 _QUIET = 0.3  # seconds without a change before recomputing, so that dragging stays fluid
@@ -78,19 +79,19 @@ class Forecast:
     """What to expect of a bake of the chosen objects, and the most that any of them costs.
 
     `errors` are those that replacing or resuming bakes do not settle. `spec` and `cost` are None if the
-    settings are invalid. `seconds` is the time of all objects, and `basis` what this estimate rests on; both
-    None if it is not known, as of split atlases. `folder` is None if there is no output folder, and
-    `needs_folder` tells whether one must be chosen. `bakes` are all that were asked for, `finished` and
-    `unfinished` those of them that are there, `done` the finished ones that have these settings. `busy` are
-    the objects that are being baked; the other fields are of the others. `shown` are the objects whose bake
-    is shown in their place, `own` those that have settings of their own, `flat` those that cannot be baked
-    since their scale is 0 along an axis. `layout` describes the automatically chosen layout and the reason;
-    empty if the user chose the layout. `assets` are objects that touch and share an atlas; all objects have
-    so many `atlases`, without counting parts and variants. `made` are these atlases, but for so many that
-    were `unseen` for lack of time. `sizes` are lines on the size of each atlas, if that follows from a texel
-    density. `not_baked` names selected objects that are no meshes, `left_out` meshes that cannot be baked
-    where others can. `copies` are the chosen objects where all of them are copies that show a bake; then
-    there is nothing to bake.
+    settings are invalid. `seconds` is the time of all objects, `range` what it is at least and at most, and
+    `basis` what this estimate rests on; all None if it is not known, as of split atlases. `folder` is None if
+    there is no output folder, and `needs_folder` tells whether one must be chosen. `bakes` are all that were
+    asked for, `finished` and `unfinished` those of them that are there, `done` the finished ones that have
+    these settings. `busy` are the objects that are being baked; the other fields are of the others. `shown`
+    are the objects whose bake is shown in their place, `own` those that have settings of their own, `flat`
+    those that cannot be baked since their scale is 0 along an axis. `layout` describes the automatically
+    chosen layout and the reason; empty if the user chose the layout. `assets` are objects that touch and
+    share an atlas; all objects have so many `atlases`, without counting parts and variants. `made` are these
+    atlases, but for so many that were `unseen` for lack of time. `sizes` are lines on the size of each atlas,
+    if that follows from a texel density. `not_baked` names selected objects that are no meshes, `left_out`
+    meshes that cannot be baked where others can. `copies` are the chosen objects where all of them are
+    copies that show a bake; then there is nothing to bake.
     """
 
     objects: tuple[str, ...]
@@ -99,6 +100,7 @@ class Forecast:
     spec: BakeSpec | None = None
     cost: Cost | None = None
     seconds: float | None = None
+    range: Left | None = None
     basis: Basis | None = None
     folder: Path | None = None
     next: Next = Next.NOTHING
