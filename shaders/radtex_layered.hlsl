@@ -485,50 +485,48 @@ float4 radtex_lit_by(float3 face, float3 even, float3 colour) {
 
 #if RADTEX_LAMPS > 0
 #ifdef RADTEX_SHAPES
-// How much of a lobe lies on a disc at a squared distance from its axis, of a squared radius, both in units of the root
-// of 2 width²: the view factor of a disc, as a lobe is a cosine's foreshortening on a plane one unit away.
-float radtex_on_disc(float distance, float radius) {
-    float apart = distance - radius;
-    return 0.5 - 0.5 * (1.0 + apart) * rsqrt(1.0 + 2.0 * (distance + radius) + apart * apart);
+// Of a polygon's edge between unit vectors, the angle times how much the edge's normal lies along the axis.
+float radtex_edge(float3 one, float3 other, float3 axis) {
+    float cosine = dot(one, other), x = abs(cosine);
+    float high = 0.030891881 + x * (-0.0170881256 + x * (0.0066700901 + x * -0.0012624911));
+    float angle = 1.570796305 + x * (-0.2145988016 + x * (0.0889789874 + x * (-0.0501743046 + x * high)));
+    angle *= rsqrt(1.0 + x);  // over its sine (Abramowitz and Stegun, 4.4.46)
+    float wide = 3.14159265 * rsqrt(max(1.0 - x * x, 1e-12)) - angle;
+    return dot(cross(one, other), axis) * (cosine < 0.0 ? wide : angle);
 }
 
-// How much of it lies between its axis and a corner, less than 0 in two of the quarters: a rectangle's view factor.
-float radtex_to_corner(float x, float y) {
-    float across = rsqrt(1.0 + x * x), up = rsqrt(1.0 + y * y);
-    return (x * across * atan(y * across) + y * up * atan(x * up)) / 6.2831853;
+// A unit vector there, once what lies across the axis is stretched as much as a lobe is narrow.
+float3 radtex_stretched(float3 way, float3 axis, float blunt) {
+    float3 found = way + blunt * dot(way, axis) * axis;
+    return found * rsqrt(max(dot(found, found), 1e-24));
 }
 
 // How much of a lobe of that width² lies on a lamp, which is `towards` from where it begins; a lamp's shape is as
-// radtex_lamp_across and radtex_lamp_up tell.
+// radtex_lamp_across and radtex_lamp_up tell. A lobe is a cosine's foreshortening on a plane: so that is Lambert's formula
+// for polygons, and for a ball the view factor of a disc.
 float radtex_covered(float3 towards, float3 ray, float width, float4 across, float4 up) {
-    float sharp = rsqrt(2.0 * width), radius = dot(across.xyz, across.xyz), other = dot(up.xyz, up.xyz);
-    if (other == 0.0) {
-        float along = dot(towards, ray);
+    if (dot(up.xyz, up.xyz) == 0.0) {
+        float along = dot(towards, ray), radius = dot(across.xyz, across.xyz);
         float3 aside = towards / max(along, 1e-12) - ray;
-        float size = min(radius / max(dot(towards, towards) - radius, 1e-12), 1000.0);
+        float size = min(radius / max(dot(towards, towards) - radius, 1e-12), 1000.0) / (2.0 * width);
+        float away = min(dot(aside, aside), 1e6) / (2.0 * width), apart = away - size;
         if (along <= 0.0) return 0.0;
-        return radtex_on_disc(min(dot(aside, aside), 1e6) * sharp * sharp, size * sharp * sharp);
+        return 0.5 - 0.5 * (1.0 + apart) * rsqrt(1.0 + 2.0 * (away + size) + apart * apart);
     }
-    float3 back = cross(across.xyz, up.xyz);
-    float facing = dot(back, ray);
-    if (facing <= 0.0) return 0.0;
-    float reach = max(dot(back, towards), 0.0) / max(facing, 1e-12);
-    float3 met = reach * ray - towards;
-    float3 seen = across.xyz - ray * dot(across.xyz, ray), upwards = up.xyz - ray * dot(up.xyz, ray);
-    float x = clamp(dot(across.xyz, met) / radius, -1000.0, 1000.0);
-    float y = clamp(dot(up.xyz, met) / other, -1000.0, 1000.0);
-    float near = facing / max(reach, 1e-12) * sharp;
-    float wide = min(near * rsqrt(max(dot(upwards, upwards), 1e-12)), 10000.0);
-    float high = min(near * rsqrt(max(dot(seen, seen), 1e-12)), 10000.0);
-    if (up.w > 0.5) {
-        float a = wide * wide, b = high * high, area = wide * high, inside = x * x + y * y;
-        float like = area * (sqrt((1.0 + a) * (1.0 + b)) + area) / (1.0 + a + b);  // a circle, for an ellipse
-        float beyond = (x * x * a + y * y * b) * (1.0 - 1.0 / max(inside, 1.0));
-        return radtex_on_disc(like * min(inside, 1.0) + beyond, like);
+    bool isDisc = up.w > 0.5;
+    int count = isDisc ? 12 : 4;
+    float far = isDisc ? 1.0233267 : 1.41421356;  // as large as the disc, and as far as a rectangle's corners
+    float turn = isDisc ? 0.52359878 : 1.57079633, c = cos(turn), s = sin(turn), blunt = sqrt(2.0 * width) - 1.0;
+    float2 at = float2(far * cos(0.5 * turn), far * sin(0.5 * turn));
+    float3 last = radtex_stretched(towards + at.x * across.xyz + at.y * up.xyz, ray, blunt);
+    float found = 0.0;
+    for (int k = 0; k < count; k++) {
+        at = float2(at.x * c - at.y * s, at.x * s + at.y * c);
+        float3 next = radtex_stretched(towards + at.x * across.xyz + at.y * up.xyz, ray, blunt);
+        found += radtex_edge(last, next, ray);
+        last = next;
     }
-    float left = -(1.0 + x) * wide, right = (1.0 - x) * wide, low = -(1.0 + y) * high, top = (1.0 - y) * high;
-    return radtex_to_corner(right, top) - radtex_to_corner(left, top) - radtex_to_corner(right, low)
-        + radtex_to_corner(left, low);
+    return clamp(found / 6.2831853, 0.0, 1.0);
 }
 #endif
 
@@ -544,9 +542,11 @@ float3 radtex_lamp(int number, float3 from, float3 ray, float width, float4 lit)
 #ifdef RADTEX_SHAPES
     float4 across = radtex_lamp_across[number], up = radtex_lamp_up[number];
     if (across.w > 0.0) {
+        float3 back = cross(across.xyz, up.xyz);
+        float square = dot(back, towards) * sqrt(nearer), there = dot(back, place.xyz);  // how squarely it is seen
+        if (dot(up.xyz, up.xyz) > 0.0) shown *= clamp(square / max(there, 1e-12), 0.0, 4.0);
         float share = clamp(2.0 - width / min(8.0 * size, 0.04), 0.0, 1.0);
         if (share > 0.0) shown += share * (radtex_covered(towards, ray, width, across, up) * across.w - shown);
-        if (dot(up.xyz, up.xyz) > 0.0 && dot(cross(across.xyz, up.xyz), towards) <= 0.0) shown = 0.0;
     }
 #endif
 #if RADTEX_SHELL > 0
@@ -564,28 +564,9 @@ float3 radtex_lamp(int number, float3 from, float3 ray, float width, float4 lit)
 float3 radtex_lamps(float3 from, float3 ray, float width, float4 lit) {
     float3 light = float3(0.0, 0.0, 0.0);
 #if RADTEX_LAMPS > 0
-    light += radtex_lamp(0, from, ray, width, lit);
-#endif
-#if RADTEX_LAMPS > 1
-    light += radtex_lamp(1, from, ray, width, lit);
-#endif
-#if RADTEX_LAMPS > 2
-    light += radtex_lamp(2, from, ray, width, lit);
-#endif
-#if RADTEX_LAMPS > 3
-    light += radtex_lamp(3, from, ray, width, lit);
-#endif
-#if RADTEX_LAMPS > 4
-    light += radtex_lamp(4, from, ray, width, lit);
-#endif
-#if RADTEX_LAMPS > 5
-    light += radtex_lamp(5, from, ray, width, lit);
-#endif
-#if RADTEX_LAMPS > 6
-    light += radtex_lamp(6, from, ray, width, lit);
-#endif
-#if RADTEX_LAMPS > 7
-    light += radtex_lamp(7, from, ray, width, lit);
+    for (int k = 0; k < RADTEX_LAMPS; k++) {
+        light += radtex_lamp(k, from, ray, width, lit);
+    }
 #endif
     return light;
 }

@@ -417,60 +417,54 @@ fn radtex_lit_by(face: vec3f, even: vec3f, colour: vec3f) -> vec4f {
     return vec4f(face, 3.14159265 * radtex_luminance(even) + 1e6 * unknown);
 }
 
-// How much of a lobe lies on a disc at a squared distance from its axis, of a squared radius, both in units of the root
-// of 2 width²: the view factor of a disc, as a lobe is a cosine's foreshortening on a plane one unit away.
-fn radtex_on_disc(distance: f32, radius: f32) -> f32 {
-    let apart = distance - radius;
-    return 0.5 - 0.5 * (1.0 + apart) * inverseSqrt(1.0 + 2.0 * (distance + radius) + apart * apart);
+// Of a polygon's edge between unit vectors, the angle times how much the edge's normal lies along the axis.
+fn radtex_edge(one: vec3f, other: vec3f, axis: vec3f) -> f32 {
+    let cosine = dot(one, other);
+    let x = abs(cosine);
+    let high = 0.030891881 + x * (-0.0170881256 + x * (0.0066700901 + x * -0.0012624911));
+    var angle = 1.570796305 + x * (-0.2145988016 + x * (0.0889789874 + x * (-0.0501743046 + x * high)));
+    angle *= inverseSqrt(1.0 + x);  // over its sine (Abramowitz and Stegun, 4.4.46)
+    let wide = 3.14159265 * inverseSqrt(max(1.0 - x * x, 1e-12)) - angle;
+    return dot(cross(one, other), axis) * select(angle, wide, cosine < 0.0);
 }
 
-// How much of it lies between its axis and a corner, less than 0 in two of the quarters: a rectangle's view factor.
-fn radtex_to_corner(x: f32, y: f32) -> f32 {
-    let across = inverseSqrt(1.0 + x * x);
-    let up = inverseSqrt(1.0 + y * y);
-    return (x * across * atan(y * across) + y * up * atan(x * up)) / 6.2831853;
+// A unit vector there, once what lies across the axis is stretched as much as a lobe is narrow.
+fn radtex_stretched(way: vec3f, axis: vec3f, blunt: f32) -> vec3f {
+    let found = way + blunt * dot(way, axis) * axis;
+    return found * inverseSqrt(max(dot(found, found), 1e-24));
 }
 
 // How much of a lobe of that width² lies on a lamp, which is `towards` from where it begins; a lamp's shape is as
-// radtex_lamp_across and radtex_lamp_up tell.
+// radtex_lamp_across and radtex_lamp_up tell. A lobe is a cosine's foreshortening on a plane: so that is Lambert's formula
+// for polygons, and for a ball the view factor of a disc.
 fn radtex_covered(towards: vec3f, ray: vec3f, width: f32, across: vec4f, up: vec4f) -> f32 {
-    let sharp = inverseSqrt(2.0 * width);
-    let radius = dot(across.xyz, across.xyz);
-    let other = dot(up.xyz, up.xyz);
-    if other == 0.0 {
+    if dot(up.xyz, up.xyz) == 0.0 {
         let along = dot(towards, ray);
+        let radius = dot(across.xyz, across.xyz);
         let aside = towards / max(along, 1e-12) - ray;
-        let size = min(radius / max(dot(towards, towards) - radius, 1e-12), 1000.0);
+        let size = min(radius / max(dot(towards, towards) - radius, 1e-12), 1000.0) / (2.0 * width);
+        let away = min(dot(aside, aside), 1e6) / (2.0 * width);
+        let apart = away - size;
         if along <= 0.0 { return 0.0; }
-        return radtex_on_disc(min(dot(aside, aside), 1e6) * sharp * sharp, size * sharp * sharp);
+        return 0.5 - 0.5 * (1.0 + apart) * inverseSqrt(1.0 + 2.0 * (away + size) + apart * apart);
     }
-    let back = cross(across.xyz, up.xyz);
-    let facing = dot(back, ray);
-    if facing <= 0.0 { return 0.0; }
-    let reach = max(dot(back, towards), 0.0) / max(facing, 1e-12);
-    let met = reach * ray - towards;
-    let seen = across.xyz - ray * dot(across.xyz, ray);
-    let upwards = up.xyz - ray * dot(up.xyz, ray);
-    let x = clamp(dot(across.xyz, met) / radius, -1000.0, 1000.0);
-    let y = clamp(dot(up.xyz, met) / other, -1000.0, 1000.0);
-    let near = facing / max(reach, 1e-12) * sharp;
-    let wide = min(near * inverseSqrt(max(dot(upwards, upwards), 1e-12)), 10000.0);
-    let high = min(near * inverseSqrt(max(dot(seen, seen), 1e-12)), 10000.0);
-    if up.w > 0.5 {
-        let a = wide * wide;
-        let b = high * high;
-        let area = wide * high;
-        let inside = x * x + y * y;
-        let like = area * (sqrt((1.0 + a) * (1.0 + b)) + area) / (1.0 + a + b);  // a circle, for an ellipse
-        let beyond = (x * x * a + y * y * b) * (1.0 - 1.0 / max(inside, 1.0));
-        return radtex_on_disc(like * min(inside, 1.0) + beyond, like);
+    let isDisc = up.w > 0.5;
+    let count = select(4, 12, isDisc);
+    let far = select(1.41421356, 1.0233267, isDisc);  // as large as the disc, and as far as a rectangle's corners
+    let turn = select(1.57079633, 0.52359878, isDisc);
+    let c = cos(turn);
+    let s = sin(turn);
+    let blunt = sqrt(2.0 * width) - 1.0;
+    var at = vec2f(far * cos(0.5 * turn), far * sin(0.5 * turn));
+    var last = radtex_stretched(towards + at.x * across.xyz + at.y * up.xyz, ray, blunt);
+    var found = 0.0;
+    for (var k = 0; k < count; k++) {
+        at = vec2f(at.x * c - at.y * s, at.x * s + at.y * c);
+        let next = radtex_stretched(towards + at.x * across.xyz + at.y * up.xyz, ray, blunt);
+        found += radtex_edge(last, next, ray);
+        last = next;
     }
-    let left = -(1.0 + x) * wide;
-    let right = (1.0 - x) * wide;
-    let low = -(1.0 + y) * high;
-    let top = (1.0 - y) * high;
-    return radtex_to_corner(right, top) - radtex_to_corner(left, top) - radtex_to_corner(right, low)
-        + radtex_to_corner(left, low);
+    return clamp(found / 6.2831853, 0.0, 1.0);
 }
 
 // What a lobe of that width² shows of the lamp with that number. Of one that layers are before, a surface whose unit
@@ -490,9 +484,12 @@ fn radtex_lamp(number: i32, whence: vec3f, ray: vec3f, width: f32, lit: vec4f) -
         let across = radtex.lamp_across[number];
         let up = radtex.lamp_up[number];
         if across.w > 0.0 {
+            let back = cross(across.xyz, up.xyz);
+            let square = dot(back, towards) * sqrt(nearer);
+            let there = dot(back, place.xyz);  // how squarely it is seen
+            if dot(up.xyz, up.xyz) > 0.0 { shown *= clamp(square / max(there, 1e-12), 0.0, 4.0); }
             let share = clamp(2.0 - width / min(8.0 * size, 0.04), 0.0, 1.0);
             if share > 0.0 { shown += share * (radtex_covered(towards, ray, width, across, up) * across.w - shown); }
-            if dot(up.xyz, up.xyz) > 0.0 && dot(cross(across.xyz, up.xyz), towards) <= 0.0 { shown = 0.0; }
         }
     }
     if RADTEX_SHELL > 0 {
@@ -509,28 +506,9 @@ fn radtex_lamp(number: i32, whence: vec3f, ray: vec3f, width: f32, lit: vec4f) -
 fn radtex_lamps(whence: vec3f, ray: vec3f, width: f32, lit: vec4f) -> vec3f {
     var light = vec3f(0.0, 0.0, 0.0);
     if RADTEX_LAMPS > 0 {
-        light += radtex_lamp(0, whence, ray, width, lit);
-    }
-    if RADTEX_LAMPS > 1 {
-        light += radtex_lamp(1, whence, ray, width, lit);
-    }
-    if RADTEX_LAMPS > 2 {
-        light += radtex_lamp(2, whence, ray, width, lit);
-    }
-    if RADTEX_LAMPS > 3 {
-        light += radtex_lamp(3, whence, ray, width, lit);
-    }
-    if RADTEX_LAMPS > 4 {
-        light += radtex_lamp(4, whence, ray, width, lit);
-    }
-    if RADTEX_LAMPS > 5 {
-        light += radtex_lamp(5, whence, ray, width, lit);
-    }
-    if RADTEX_LAMPS > 6 {
-        light += radtex_lamp(6, whence, ray, width, lit);
-    }
-    if RADTEX_LAMPS > 7 {
-        light += radtex_lamp(7, whence, ray, width, lit);
+        for (var k = 0; k < RADTEX_LAMPS; k++) {
+            light += radtex_lamp(k, whence, ray, width, lit);
+        }
     }
     return light;
 }

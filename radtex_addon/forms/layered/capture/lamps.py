@@ -48,6 +48,7 @@ _BORDER = 4  # cells beside a lamp that are traced, too
 _FAR = 1e4  # where a sun is
 _THROUGH_WINDOWS = 0.995  # most of a room's points that a lamp outside may be hidden from
 _NEAREST = 1e-4  # to the middle
+_WIDEST = 1.5  # half of a sun's angle, of which there is a tangent
 _BESIDE = 1.5  # times a lamp's radius: nearer to it than that, the middle does not see it from outside
 
 
@@ -67,7 +68,7 @@ class LampShown:
         """Its diameters by the properties that say them, a sun's in radians at a distance of 1."""
         data = self.data
         if data.type == "SUN":
-            return {"angle": _FAR * data.angle}
+            return {"angle": 2 * _FAR * math.tan(min(data.angle / 2, _WIDEST))}
         if data.type == "AREA":
             other = ("size_y",) if data.shape in ("RECTANGLE", "ELLIPSE") else ()
             return {name: float(getattr(data, name)) for name in ("size", *other)}
@@ -168,7 +169,7 @@ def find_lamps(
     if not lamps:
         return ()
     anchor = cast(bpy.types.Object, bpy.data.objects.new("RadTex anchor", None))
-    shown, shares, areas = zip(*(_alone(lamp, anchor, middle) for lamp in lamps), strict=True)
+    shown, shares, areas, radii = zip(*(_alone(lamp, anchor, middle) for lamp in lamps), strict=True)
     direction = cell_directions(_SIZE).astype(np.float32)
     copies = [LampShown(copy, lamp.matrix) for copy, lamp in zip(shown, lamps, strict=True)]
     some = np.flatnonzero(np.any([_may_see(direction, copy, middle) for copy in copies], axis=0))
@@ -183,7 +184,7 @@ def find_lamps(
     radiance[some] = np.concatenate(found)
     towards = [lamp.towards(middle) for lamp in lamps]
     shapes = [lamp.shape(area) for lamp, area in zip(lamps, areas, strict=True)]
-    return brightest(lamps_of(direction, radiance, towards, shares, behind, shapes))
+    return brightest(lamps_of(direction, radiance, towards, shares, behind, shapes, radii))
 
 
 def brightest(lamps: Sequence[Lamp]) -> tuple[Lamp, ...]:
@@ -230,10 +231,11 @@ def _power(data: Any) -> float:
 
 def _alone(
     lamp: LampShown, anchor: bpy.types.Object, middle: Floats
-) -> tuple[bpy.types.Object, float, float]:
-    """A copy of a lamp as the picture shows it, and the lamp's width² and area over the copy's.
+) -> tuple[bpy.types.Object, float, float, float]:
+    """A copy of a lamp as the picture shows it, the lamp's width² and area over the copy's, and its radius.
 
-    It lights all, stands where renders have the lamp, and is as large as the picture needs.
+    That is in radians, as seen from the middle. The copy lights all, stands where renders have the lamp, and
+    is as large as the picture needs.
     """
     copy = cast(bpy.types.Object, lamp.item.copy())
     copy.animation_data_clear()
@@ -248,8 +250,9 @@ def _alone(
     least = 2 * _CELLS * math.sqrt(4 * math.pi) / _SIZE * distance / max(lamp.stretch, _NEAREST)
     sides = lamp.sides
     larger = {name: max(side, least) for name, side in sides.items()}
+    radius = math.atan2(max(larger.values()) * lamp.stretch / 2, distance)
     if larger == sides:
-        return copy, 1.0, 1.0
+        return copy, 1.0, 1.0, radius
     for name, side in larger.items():
         unit = {"angle": _FAR, "shadow_soft_size": 2.0}.get(name, 1.0)
         setattr(data, name, side / unit)
@@ -257,7 +260,7 @@ def _alone(
     if not getattr(data, "normalize", True):  # it sends as much from each part of it, of which there are more
         data.energy *= area / enlarged
     squares = [sum(side**2 for side in found.values()) for found in (sides, larger)]
-    return copy, squares[0] / squares[1], area / enlarged
+    return copy, squares[0] / squares[1], area / enlarged, radius
 
 
 def _may_see(direction: Floats, lamp: LampShown, middle: Floats) -> Bools:

@@ -35,7 +35,8 @@ LEAST_FACING = 0.1  # cosine between a normal and the way to a lamp
 KNOWN = 50.0  # one over the diffuse colour from which on irradiance is known
 BRIGHTER = 1e6  # than any sun
 FARTHEST = 1e6  # how far away a ray meets a shell that it leaves
-_LEAST_SHAPE = 2e-5  # width² of a lamp whose shape nothing sees: a quarter of a degree
+_LEAST_SHAPE = 2e-5  # width² of a lamp whose shape nothing sees: a disc of one degree
+_LEAST_RADIUS = 1e-3  # radians
 SOLID = 0.98  # of a thing's distance: what is further away is not before it
 
 _Bounds = tuple[Floats, Floats, Floats]  # where rays enter and leave a box, and meet the shell: (N,) each
@@ -379,11 +380,11 @@ class Lamp:
         size = self.variance * nearer
         shown = nearer * lobe(squared, variance + size)
         if self.shape is not None:
+            shown *= self.shape.facing(towards, self.place)
             sharp = self.shape.share(variance, size)
             some = np.flatnonzero(sharp)
             covered = self.shape.covered(towards[:, some], axis.T[:, some], variance[some])
             shown[some] += sharp[some] * (covered / self.shape.solid - shown[some])
-            shown *= self.shape.faces(towards)
         return cast(Floats, self.irradiance[:, None].astype(np.float32) * shown.astype(np.float32))
 
 
@@ -433,17 +434,20 @@ def lamps_of(
     shares: Sequence[float] | None = None,
     behind: Sequence[bool] | None = None,
     shapes: Sequence[LampShape | None] | None = None,
+    radii: Sequence[float] | None = None,
 ) -> tuple[Lamp, ...]:
     """Lamps from a picture of them alone, in size x size cells of the octahedron.
 
     `direction` (P, 3) and `radiance` (P, 3) are the cells'; `places` (3,) the lamps', from the middle. A lamp
     that covers no cell's centre is left out. `shares`: the lamps' width² over that of what the picture
     shows; `behind` as in `Lamp`; `shapes`, whose `solid` is in units of what the picture shows of each.
+    `radii`: how large the picture shows them, in radians, so that a cell is of the lamp that it lies in.
     """
     lit = radiance.sum(axis=1) > 0
     solid = 4 * np.abs(direction[lit]).sum(axis=1) ** 3 / len(direction)  # of a cell, on the sphere
     towards = np.stack([place / np.linalg.norm(place) for place in places])
-    nearest = np.argmax(direction[lit] @ towards.T, axis=1)
+    angle = np.arccos(np.clip(direction[lit] @ towards.T, -1, 1))
+    nearest = np.argmin(angle if radii is None else angle / np.maximum(radii, _LEAST_RADIUS), axis=1)
     found = []
     for number, place in enumerate(places):
         own = nearest == number

@@ -3,9 +3,11 @@
 """What a sharp lobe sees of a lamp that is a rectangle, a disc or a ball.
 
 In the plane across its axis a lobe (see lobes.py) of a width² w, in units of √(2 w), is 1 / (π (1 + r²)²).
-That is also how much of a small surface's light comes from each place of a plane before it, one unit away.
-So how much of a lobe lies on a shape is known in closed form: it is the view factor of a rectangle, and of a
-disc (Howell, "A Catalog of Radiation Heat Transfer Configuration Factors", B-4 and B-13).
+That is also how much of a small surface's light comes from each place of a plane before it, one unit away, by
+its cosine. So how much of a lobe lies on a polygon is Lambert's formula for polygons, once what lies across
+the axis is stretched by 1 / √(2 w) (Heitz et al., "Real-Time Polygonal-Light Shading with Linearly
+Transformed Cosines", 2016). A disc is a polygon; what a lobe sees of a ball is a disc's view factor (Howell,
+"A Catalog of Radiation Heat Transfer Configuration Factors", B-13).
 """
 
 from __future__ import annotations
@@ -21,8 +23,15 @@ from ....core.arrays import Floats
 SHARP = 8.0  # times the width² of a lamp's size: that of lobes which see its shape
 MOST_SHARP = 0.04  # and no more than that: wide lobes are not flat
 TINY = 1e-12
-FAR = 1e3  # times half of a lamp's side, or the distance to a ball: what lies further aside is not on it
-LARGEST = 1e4  # half of a lamp's side, in a lobe's units
+FAR = 1e3  # times the distance to a ball: what lies further aside is not on it
+SIDES = 12  # of the polygon for a disc
+DISC = float(np.sqrt(2 * np.pi / SIDES / np.sin(2 * np.pi / SIDES)))  # its radius: as large as the disc
+BRIGHTEST = 4.0  # times as bright as from the middle: a lamp that is seen more squarely
+# An angle up to 90° over the root of 1 - its cosine, by powers of that (Abramowitz and Stegun, 4.4.46).
+ANGLE = (
+    1.5707963050, -0.2145988016, 0.0889789874, -0.0501743046,
+    0.0308918810, -0.0170881256, 0.0066700901, -0.0012624911,
+)  # fmt: skip
 
 
 class ShapeKind(StrEnum):
@@ -52,40 +61,44 @@ class LampShape:
         most = np.minimum(SHARP * size, MOST_SHARP)
         return cast(Floats, np.clip(2 - variance / most, 0, 1).astype(np.float32))
 
-    def faces(self, towards: Floats) -> Floats:
-        """Whether places see its bright side, with the lamp's middle (3, N) from there: 0 or 1 (N,)."""
+    def facing(self, towards: Floats, place: Floats) -> Floats:
+        """How bright it is as a blur, by how squarely it is seen: (N,), 1 from the middle, 0 from behind.
+
+        `towards` (3, N) is its middle as seen from the places, `place` (3,) from the middle of the baked.
+        """
         if self.kind == ShapeKind.BALL:
             return np.ones(towards.shape[1], dtype=np.float32)
-        return (np.cross(self.across, self.up) @ towards > 0).astype(np.float32)
+        back = np.cross(self.across, self.up)
+        here = back @ towards / np.maximum(np.linalg.norm(towards, axis=0), TINY)
+        there = back @ place / np.linalg.norm(place)
+        return cast(Floats, np.clip(here / max(float(there), TINY), 0, BRIGHTEST).astype(np.float32))
+
+    def corners(self) -> Floats:
+        """The corners of the polygon that it is, from its middle, (K, 3)."""
+        count, radius = (SIDES, DISC) if self.kind == ShapeKind.DISC else (4, np.sqrt(2))
+        turn = (np.arange(count) + 0.5) * 2 * np.pi / count
+        around = np.cos(turn)[:, None] * self.across + np.sin(turn)[:, None] * self.up
+        return np.asarray(radius * around, dtype=np.float32)
 
     def covered(self, towards: Floats, axis: Floats, variance: Floats) -> Floats:
-        """The share of lobes about unit axes (3, N) that lies on it: (N,); `towards` as in `faces`."""
-        sharp = 1 / np.sqrt(2 * variance)
+        """The share of lobes about unit axes (3, N) that lies on it: (N,); `towards` as in `facing`."""
         if self.kind == ShapeKind.BALL:
             along = (towards * axis).sum(axis=0)
             aside = towards / np.maximum(along, TINY) - axis
             radius = float(self.across @ self.across)
             wide = radius / np.maximum((towards * towards).sum(axis=0) - radius, TINY)
             apart = np.minimum((aside * aside).sum(axis=0), FAR * FAR)
-            found = _disc(apart * sharp**2, np.minimum(wide, FAR) * sharp**2)
+            found = _disc(apart / (2 * variance), np.minimum(wide, FAR) / (2 * variance))
             return cast(Floats, np.where(along > 0, found, 0).astype(np.float32))
-        normal = np.cross(self.across, self.up)
-        facing = np.maximum(normal @ axis, TINY)
-        reach = np.maximum(normal @ towards, 0) / facing
-        met = reach * axis - towards
-        x, y = (np.clip(line @ met / (line @ line), -FAR, FAR) for line in (self.across, self.up))
-        across, up = (line[:, None] - axis * (line @ axis) for line in (self.across, self.up))
-        near = facing / np.maximum(reach, TINY) * sharp  # the halves of its sides, in the lobe's units
-        high, wide = (
-            np.minimum(near / np.sqrt(np.maximum((line * line).sum(axis=0), TINY)), LARGEST)
-            for line in (across, up)
-        )
-        if self.kind == ShapeKind.DISC:
-            found = _disc(*_as_circle(x, y, wide, high))
-        else:
-            left, right, low, top = -(1 + x) * wide, (1 - x) * wide, -(1 + y) * high, (1 - y) * high
-            found = _corner(right, top) - _corner(left, top) - _corner(right, low) + _corner(left, low)
-        return cast(Floats, np.where(normal @ axis > 0, found, 0).astype(np.float32))
+        blunt = np.sqrt(2 * variance) - 1
+        seen = []
+        for corner in self.corners():
+            way = towards + corner[:, None]
+            way = way + blunt * (way * axis).sum(axis=0) * axis
+            seen.append(way / np.maximum(np.sqrt((way * way).sum(axis=0)), TINY))
+        edges = [_edge(one, seen[number - 1], axis) for number, one in enumerate(seen)]
+        found = np.sum(edges, axis=0)
+        return cast(Floats, np.clip(found / (-2 * np.pi), 0, 1).astype(np.float32))
 
 
 def _disc(distance: Floats, radius: Floats) -> Floats:
@@ -94,20 +107,11 @@ def _disc(distance: Floats, radius: Floats) -> Floats:
     return 0.5 - 0.5 * (1 + apart) / np.sqrt(1 + 2 * (distance + radius) + apart * apart)
 
 
-def _as_circle(x: Floats, y: Floats, wide: Floats, high: Floats) -> tuple[Floats, Floats]:
-    """The squared distance and radius of a circle for an ellipse, whose halves are `wide` and `high`.
-
-    The axis meets its plane at (x, y), in units of these. In the middle and far away it is exact.
-    """
-    across, up, area = wide * wide, high * high, wide * high
-    radius = area * (np.sqrt((1 + across) * (1 + up)) + area) / (1 + across + up)
-    inside = x * x + y * y
-    beyond = (x * x * across + y * y * up) * (1 - 1 / np.maximum(inside, 1))
-    return radius * np.minimum(inside, 1) + beyond, radius
-
-
-def _corner(x: Floats, y: Floats) -> Floats:
-    """How much of the lobe lies between its axis and a corner at (x, y), below 0 in two of the quarters."""
-    across, up = x / np.sqrt(1 + x * x), y / np.sqrt(1 + y * y)
-    long, high = y / np.sqrt(1 + x * x), x / np.sqrt(1 + y * y)
-    return (across * np.arctan(long) + up * np.arctan(high)) / (2 * np.pi)
+def _edge(one: Floats, other: Floats, axis: Floats) -> Floats:
+    """Of a polygon's edge between unit vectors (3, N), the angle times its normal's part along the axis."""
+    cosine = (one * other).sum(axis=0)
+    near = np.abs(cosine)
+    over = np.polyval(ANGLE[::-1], near) / np.sqrt(1 + near)  # the angle over its sine
+    wide = np.pi / np.sqrt(np.maximum(1 - cosine * cosine, TINY)) - over
+    normal = np.cross(one, other, axis=0)
+    return cast(Floats, (normal * axis).sum(axis=0) * np.where(cosine < 0, wide, over))

@@ -51,7 +51,8 @@ def fetches(source: str, defines: Mapping[str, int], function: str) -> int:
     def counted(text: str) -> int:
         total = 0
         for _, end, body in _LOOP.findall(text):
-            total += int(known.get(end, end)) * counted(body)
+            if inside := counted(body):
+                total += int(known.get(end, end)) * inside
         text = _LOOP.sub("", text)
         calls = sum(counted(bodies[name]) for name in re.findall(r"\b(\w+)\(", text) if name in bodies)
         return total + len(_FETCH.findall(text)) + calls
