@@ -114,7 +114,7 @@ def test_a_bake_without_a_terminal_says_its_stages_and_its_files(room: Path, out
     ended = batch(room, "--object", "Card", *TINY, "--out", out)
     assert ended.code == 0
     assert ended.err.splitlines()[0] == "Card: reading the mesh"
-    assert "Card: rendering" in ended.err.splitlines()
+    assert "Card: rendering the light" in ended.err.splitlines()
     assert len(set(ended.err.splitlines())) == len(ended.err.splitlines()), "each once"
     summary, *files = ended.out.splitlines()
     assert "8 x 8 texels of 2 x 2 cells at 1 spp" in summary
