@@ -235,7 +235,7 @@ def test_an_interrupted_bake_leaves_nothing(
     ) as process:
         assert process.stderr is not None
         for line in process.stderr:
-            if line.endswith(": rendering\n"):
+            if line.endswith(": rendering the light\n"):
                 break
         process.send_signal(asked)
         rest = process.stderr.read().splitlines()
