@@ -195,4 +195,4 @@ def test_an_update_offers_its_changes_and_a_first_install_none(
     first, then = (dict[str, Any](told) for told in json.loads(said.splitlines()[-1]))
     assert (first["seen"], first["news"]) == (VERSION, False)
     assert (then["seen"], then["news"]) == (VERSION, True)
-    assert then["changes"] == [[f"{LATER} · Changed", ["Water is wet."]]]
+    assert then["changes"] == ["Water is wet."]
