@@ -67,7 +67,8 @@ def test_the_map_unfolds_by_a_click_and_folds_by_another(window: Window) -> None
     assert changed(folded, unfolded) > 0.01
     window.click(*line)
     window.point(*AWAY)
-    assert changed(folded, window.picture("folded again")) < 0.001
+    again = window.picture("folded again")
+    assert changed(folded.crop(JOB), again.crop(JOB)) < 0.001  # a message may leave the status bar meanwhile
 
 
 def test_nothing_is_drawn_while_nothing_happens(window: Window) -> None:

@@ -14,6 +14,7 @@ from tests.real.panel import (
     SHORT,
     WORKER,
     choose,
+    jobs,
     latest,
     press,
     start_again,
@@ -106,7 +107,7 @@ def test_quitting_blender_leaves_no_process_and_the_next_start_goes_on(window: W
     wait_until(lambda: not window.processes("blender"), 10, "Blender or its worker is left")
     assert list((window.folder / "home").rglob("radtex-list-*.json")), "the list is kept"
     start_again(window, "")
-    wait_until(lambda: latest(window).state == "left", 20, "the next Blender does not show the bake")
+    wait_until(lambda: [job.state for job in jobs(window)] == ["left"], 20, "no bake at the next start")
     window.show_tab("RadTex")
     window.shot("left")
     window.click(*window.find("radtex.go_on("))
