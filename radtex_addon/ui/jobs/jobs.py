@@ -96,11 +96,11 @@ def take_over(folder: Path) -> None:
     queue = _queue()
     atexit.register(_end_session)  # before the queue's own end, which would cancel all
     lists = list(left_lists(folder, made_by))
-    for left in lists:
-        queue.adopt(left.jobs)
+    for one in lists:
+        queue.adopt(one.jobs)
     advance()
-    for left in lists:
-        left.remove()
+    for one in lists:
+        one.remove()
     for job in _session.shown:
         if job.state == "done":
             job_files.note(job)
@@ -320,12 +320,12 @@ def forget_ended(number: int | None = None) -> None:
     if _session.queue is not None:
         _session.queue.forget_ended(number)
         _look()
-        left = {job.number for job in _session.shown}
-        for gone in _session.folded.keys() - left:
+        there = {job.number for job in _session.shown}
+        for gone in _session.folded.keys() - there:
             del _session.folded[gone]
-        for gone in _session.completions.keys() - left:
+        for gone in _session.completions.keys() - there:
             _session.completions.pop(gone).clean_up()
-        job_ends.forget(frozenset(left))
+        job_ends.forget(frozenset(there))
 
 
 def advance() -> bool:
