@@ -5,12 +5,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 from radtex_addon.settings.option import Fold
 from radtex_addon.settings.options import shown_in
-from radtex_addon.ui.settings import presets as stock
+from radtex_addon.settings.presets import STOCK, stock_values
 from radtex_addon.ui.settings.bake_settings import NAMES, RADTEX_PG_settings
 from radtex_addon.ui.settings.chosen_objects import RADTEX_PG_chosen
 from radtex_addon.ui.settings.object_settings import RADTEX_PG_object
@@ -52,8 +51,7 @@ def shared_settings(_: str) -> str:
 
 def presets(_: str) -> str:
     """The presets that RadTex brings, with what each sets."""
-    folder = Path(stock.__file__).with_name("stock") / "presets" / stock.SUBDIR
-    values = {name: stock.preset_values(folder / f"{name}.py") for name, _, _ in stock.STOCK}
+    values = {name: stock_values(name) for name, _, _ in STOCK}
     names = sorted({setting for found in values.values() for setting in found}, key=NAMES.index)
     known: Any = RADTEX_PG_settings.bl_rna.properties
     rows = [
@@ -62,9 +60,9 @@ def presets(_: str) -> str:
             code(name),
             *(_value(known[setting], values[name].get(setting)) for setting in names),
         )
-        for name, label, _ in stock.STOCK
+        for name, label, _ in STOCK
     ]
-    lines = [f"* **{label}**: {escaped(tip)}." for _, label, tip in stock.STOCK]
+    lines = [f"* **{label}**: {escaped(tip)}." for _, label, tip in STOCK]
     head = ("preset", "name", *(escaped(known[setting].name) for setting in names))
     return "\n".join([*lines, "", table(head, rows)])
 

@@ -51,7 +51,8 @@ exit codes: as of a bake, and
 class CompareRequest:
     """One comparison. `scene` is the .blend to open; None uses the file that Blender has open.
 
-    `bake` is a folder or a sidecar; `eye` is None for the scene's camera.
+    `bake` is a folder or a sidecar; `eye` is None for the scene's camera. `sidecars`, if there are any, are
+    those of each object's bake, None if its preview is on.
     """
 
     scene: Path | None
@@ -67,6 +68,7 @@ class CompareRequest:
     min_psnr: float | None = None
     unsaved_images: Path | None = None
     parent_pipe: bool = False
+    sidecars: tuple[Path | None, ...] = ()
 
 
 def parse_compare(arguments: list[str], inside_blender: bool) -> CompareRequest:

@@ -4,12 +4,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 
 import bpy
 
 from ..core.messages import do
 from ..formats.disk.atomic import check_writable
+from ..formats.sidecar_file import SidecarFile
 from ..job.instances import join_for
 from ..preview.swap import original_of
 from ..report.metrics import Figures
@@ -37,7 +39,7 @@ def run_compare(request: CompareRequest, report: Report, interruption: Interrupt
     scene = open_asked(request, interruption)
     join_for(scene, request.objects or (OBJECT,))
     items = [_object(scene, name) for name in request.objects or (OBJECT,)]
-    bakes = bakes_of(items, request.bake)
+    bakes = _bakes(items, request)
     with at_frame(scene, frame_of(scene, bakes)):
         eye = request.eye or Viewpoint.of_camera(scene, find_view_layer(scene, None), _OWN_VIEW)
     name = ", ".join(item.name for item in items)
@@ -55,6 +57,16 @@ def run_compare(request: CompareRequest, report: Report, interruption: Interrupt
         **_facts(found.figures),
     )
     check_psnr(name, found.figures.psnr, request.min_psnr)
+
+
+def _bakes(
+    items: Sequence[bpy.types.Object], request: CompareRequest
+) -> dict[bpy.types.Object, SidecarFile | None]:
+    """The bake of each object, None if its preview is on. Raises RadTexError."""
+    if not request.sidecars:
+        return bakes_of(items, request.bake)
+    pairs = zip(items, request.sidecars, strict=True)
+    return {item: None if path is None else SidecarFile.read(path) for item, path in pairs}
 
 
 def _object(scene: bpy.types.Scene, name: str) -> bpy.types.Object:

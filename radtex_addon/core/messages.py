@@ -23,6 +23,7 @@ class Setting(StrEnum):
     AO_DISTANCE = "distance of ambient occlusion"
     ARRANGEMENT = "arrangement"
     BACKS = "backs"
+    BAKE_NAME = "bake's name"
     BUCKET = "cells"
     CAGE = "cage"
     CAPTURE = "capture method"

@@ -29,6 +29,7 @@ from ..forms.outcome import Outcome
 from ..job.baking import Baked, bake_unchecked
 from ..job.checks import check_request
 from ..job.split_parts import check_part
+from ..job.variants import named_in
 from ..scene.digests import Looks
 from ..scene.scratch import at_frame, new_data_removed
 from ..settings.spec import BakeSpec
@@ -100,6 +101,7 @@ def prepare_steps(
     """
     check_part(name, spec)
     check_farmable(spec)
+    spec = named_in(scene, spec, overwrite.blend if isinstance(overwrite, Overwrite) else None)
     files = OutputFiles.of(name, spec, folder, preview is not None)
     for warning in check_request(scene, name, spec, folder, preview is not None, overwrite, view_layer):
         log.warning(warning)

@@ -95,7 +95,8 @@ class Sidecar:
     `blend` is the name of the .blend that was baked, without its folder, empty if it was never saved.
     `texel_weights` is the vertex group that told the unwrap where more or fewer texels go, empty if none did.
     `backs` says which faces that are seen from behind could get texels of their own, empty if none could or
-    that is not known.
+    that is not known. `called` is what its files are called, before frame, lamps, part and kind, empty if as
+    the `object_name`.
     """
 
     object_name: str
@@ -130,6 +131,7 @@ class Sidecar:
     blend: str = ""
     texel_weights: str = ""
     backs: str = ""
+    called: str = ""
 
     @property
     def surfaces(self) -> tuple[str, ...]:
@@ -185,6 +187,7 @@ class Sidecar:
             "backs": self.backs or None,
             "wasteful": self.wasteful or None,
             "blend": self.blend or None,
+            "bake_name": self.called or None,
             "content": content and {"collection": content.collection, "objects": list(content.objects)},
             KEY: self.fingerprint and self.fingerprint.to_facts(),
         }
@@ -243,6 +246,7 @@ class Sidecar:
             blend=blend_in(facts),
             texel_weights=facts.text("texel_weights") if "texel_weights" in facts.values else "",
             backs=facts.text("backs") if "backs" in facts.values else "",
+            called=called_in(facts),
         )
 
 
@@ -266,6 +270,11 @@ def part_in(facts: Facts) -> Part | None:
 def blend_in(facts: Facts) -> str:
     """The name of the .blend in a sidecar's `facts`, empty if it is not known. Raises FormatError."""
     return facts.text("blend") if "blend" in facts.values else ""
+
+
+def called_in(facts: Facts) -> str:
+    """What the files of a sidecar's bake are called; empty if as the object. Raises FormatError."""
+    return facts.text("bake_name") if "bake_name" in facts.values else ""
 
 
 def density_in(facts: Facts) -> TexelDensity | None:

@@ -27,6 +27,7 @@ from ..store.bake_folder import BakeFolder, FolderState
 from .about_texels import with_about_texels, with_texels_of_several
 from .bake_request import BakeRequest
 from .layout_choice import OpenLayout, choose_layout
+from .variants import named_in
 
 Read: TypeAlias = Callable[[Sequence[bpy.types.Object]], list[Surface | None]]
 
@@ -90,7 +91,7 @@ def find_assets(
         asset = Asset(name_for(scene, group, known, taken, _SUFFIX), tuple(item.name for item in group))
         taken.add(asset.name)
         whole = with_about_texels(scene, asset.name, spec_of_asset(scene, spec, asset))
-        if is_layered(scene, asset.name, whole, wish) and goes_on(asset.name, whole, folder):
+        if is_layered(scene, asset.name, whole, wish) and goes_on(scene, asset.name, whole, folder):
             found.append(asset)
     return tuple(found)
 
@@ -170,11 +171,11 @@ def is_layered(scene: bpy.types.Scene, name: str, spec: BakeSpec, wish: OpenLayo
         return False
 
 
-def goes_on(name: str, spec: BakeSpec, folder: Path | None) -> bool:
+def goes_on(scene: bpy.types.Scene, name: str, spec: BakeSpec, folder: Path | None) -> bool:
     """Whether there is what the bake adds to, if it does."""
     if not spec.accumulate or folder is None:
         return not spec.accumulate
-    return BakeFolder(name, spec, folder).state is not FolderState.NOTHING
+    return BakeFolder(name, named_in(scene, spec), folder).state is not FolderState.NOTHING
 
 
 def name_for(

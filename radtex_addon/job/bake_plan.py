@@ -162,9 +162,15 @@ def check_plans(scene: bpy.types.Scene, plans: Sequence[BakePlan]) -> None:
     """Check all bakes of plans into one folder before the first starts. Raises InputError."""
     for plan in plans:
         _check_plan(scene, plan)
-    request = plans[0].request
-    wanted = [bake for plan in plans for bake in plan.wanted]
-    check_output_collisions(wanted, request.folder, request.saves_preview)
+    check_apart(plans)
+
+
+def check_apart(plans: Sequence[BakePlan]) -> None:
+    """Check that no two bakes of several plans write the same file. Raises InputError."""
+    for folder in dict.fromkeys(plan.request.folder for plan in plans):
+        there = [plan for plan in plans if plan.request.folder == folder]
+        wanted = [bake for plan in there for bake in plan.wanted]
+        check_output_collisions(wanted, folder, any(plan.request.saves_preview for plan in there))
 
 
 def _check_plan(scene: bpy.types.Scene, plan: BakePlan) -> None:

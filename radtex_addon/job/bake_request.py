@@ -13,7 +13,9 @@ from ..core.errors import InputError
 from ..core.sampler import Filter
 from ..scene.lights.lamps import ALL, EACH, each_light
 from ..scene.scratch import find_view_layer
+from ..settings.bake_names import OBJECT, fill
 from ..settings.frame_numbers import of_frames
+from ..settings.presets import quality_of
 from ..settings.spec import BakeSpec
 from ..store.bake_folder import BakeFolder, FolderState
 from ..store.ownership import Overwrite, open_blend
@@ -21,7 +23,19 @@ from ..textures.export_spec import Target
 from .about_texels import with_about_texels, with_texels_of_several
 from .layout_choice import OpenLayout
 from .split_parts import guessed_parts, part_specs
-from .variants import Bake
+from .variants import Bake, named_in
+
+
+def with_quality(spec: BakeSpec, wish: OpenLayout | None) -> BakeSpec:
+    """The specification with its name's `{quality}`: the preset that the settings are, before any is adapted.
+
+    `wish`: as `open_layout` of a `BakeRequest`.
+    """
+    if spec.bake_name == OBJECT:
+        return spec
+    cells = None if wish is None else wish.cells
+    quality = quality_of(spec, automatic=wish is not None, cells=cells)
+    return replace(spec, bake_name=fill(spec.bake_name, {"quality": quality}))
 
 
 @dataclass(frozen=True)
@@ -61,6 +75,9 @@ class BakeRequest:
     open_texels: bool = False
     assets: bool = False
     as_scene: bool = False
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "spec", with_quality(self.spec, self.open_layout))
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -108,7 +125,7 @@ class BakeRequest:
             raise InputError("the atlas that objects share has no name: give it one")
         split = guessed_parts if guess else part_specs
         return tuple(
-            (name, with_about_texels(scene, name, part))
+            (name, named_in(scene, with_about_texels(scene, name, part), self.blend))
             for spec in self.specs(scene)
             for name in self.names
             for part in split(scene, name, spec)

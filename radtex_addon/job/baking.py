@@ -51,6 +51,7 @@ from .bake_fingerprint import fingerprint_of_bake, read_originals
 from .checks import check_request, check_seen
 from .previews import save_preview_of
 from .split_parts import check_part
+from .variants import named_in
 
 log = logging.getLogger(__name__)
 
@@ -141,6 +142,7 @@ def bake_steps(
     """
     check_part(name, spec)
     overwrite = Overwrite.of(overwrite)
+    spec = named_in(scene, spec, overwrite.blend)
     place = BakeFolder(name, spec, folder, preview is not None)
     files = place.files
     warnings = check_request(

@@ -149,7 +149,7 @@ def find_scene_atlases(scene: bpy.types.Scene, request: BakeRequest, read: Read)
         density = None if atlas.wanted else spec.density
         whole = replace(spec, objects=shared, texels=atlas.texels, density=density)
         whole = with_about_texels(scene, name, whole)
-        if is_layered(scene, name, whole, wish) and goes_on(name, whole, folder):
+        if is_layered(scene, name, whole, wish) and goes_on(scene, name, whole, folder):
             taken.add(name)
             found.append(atlas)
     return tuple(found)

@@ -10,17 +10,23 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Collection, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import TypeAlias
+
+import bpy
 
 from ..bake.bake_title import bake_title, variant_title
 from ..core.errors import FormatError, InputError
 from ..core.messages import Setting, do
 from ..formats.disk.path_checks import nearest_folder
-from ..formats.sidecar import file_name, part_in
+from ..formats.sidecar import called_in, file_name, part_in
 from ..formats.sidecar_file import read_facts
+from ..settings.bake_names import OBJECT, as_part, fill, filled, tokens_of
+from ..settings.presets import quality_of
 from ..settings.spec import BakeSpec
 from ..store.bake_folder import BakeFolder, FolderState
+from ..store.ownership import blend_folder_name, open_blend
 from ..textures.export_spec import Target
 
 Bake: TypeAlias = tuple[str, BakeSpec]  # the name of an object or a shared atlas, and the specification
@@ -29,9 +35,25 @@ _KEYS = ("frame", "lights")  # keys that only sidecars of variants have
 
 
 def title_of(name: str, spec: BakeSpec) -> str:
-    """The title of a bake that is to be made: its name, its part and its variant."""
+    """The title of a bake that is to be made: what it is called, its part and its variant."""
     part = "" if spec.part is None else f"{spec.split} {spec.part}"
-    return bake_title(name, part=part, variant=variant_of(spec))
+    return bake_title(filled(spec.bake_name, name), part=part, variant=variant_of(spec))
+
+
+def named_in(scene: bpy.types.Scene, spec: BakeSpec, blend: Path | None = None) -> BakeSpec:
+    """The specification with all tokens of its name filled in but `{object}`.
+
+    The `{file}` is `blend`, None for the open one. Raises InputError for a name that files cannot have.
+    """
+    if spec.bake_name == OBJECT:
+        return spec
+    file = open_blend() if blend is None else blend
+    values = {
+        "scene": as_part(scene.name),
+        "file": as_part(blend_folder_name(file)) if file.name else "untitled",
+        "quality": quality_of(spec, automatic=False),  # else a request has filled it in
+    }
+    return replace(spec, bake_name=fill(spec.bake_name, values | tokens_of(spec)))
 
 
 def variant_of(spec: BakeSpec) -> str:
@@ -113,10 +135,19 @@ def check_output_collisions(bakes: Sequence[Bake], out: Path, preview: bool) -> 
             if known != path.name and joins_case is None:
                 joins_case = _joins_case(out)
             if known == path.name or joins_case:
-                raise InputError(
-                    f"{_told(*owner)} and {_told(*bake)} would both become {out / path.name}: "
-                    "rename one of them, or bake them into folders of their own"
-                )
+                raise _collision(owner, bake, out / path.name)
+
+
+def _collision(one: Bake, other: Bake, path: Path) -> InputError:
+    both = f"{_told(*one)} and {_told(*other)} would both become {path}"
+    if one[1].bake_name == other[1].bake_name == OBJECT:
+        return InputError(f"{both}: rename one of them, or bake them into folders of their own")
+    patterns = " and ".join(dict.fromkeys(f'"{each[1].bake_name}"' for each in (one, other)))
+    return InputError(
+        f"{both}, by the name {patterns}",
+        do(f"put what tells them apart into it, such as {OBJECT}", Setting.BAKE_NAME),
+        do("bake them into folders of their own", Setting.OUT),
+    )
 
 
 def _told(name: str, spec: BakeSpec) -> str:
@@ -149,21 +180,26 @@ def _done(spec: BakeSpec) -> str:
     return "accumulated" if spec.accumulate else "refreshed"
 
 
-def variants_in(folder: Path, name: str, kind: str) -> tuple[Path, ...]:
-    """The sidecars of all variants of a bake, or of its parts; none if there is also a plain one."""
-    found = {path: plain for path in sorted(folder.glob(f"*.{kind}.json")) if (plain := _plain(path, name))}
-    if any(path.name == file_name(name, kind, "json", part=part) for path, (part, _) in found.items()):
+def variants_in(folder: Path, name: str, kind: str, called: str = "") -> tuple[Path, ...]:
+    """The sidecars of all variants of a bake, or of its parts; none if there is also a plain one.
+
+    `called` is what the bake's files are called, if not as the object `name`.
+    """
+    paths = sorted(folder.glob(f"*.{kind}.json"))
+    found = {path: plain for path in paths if (plain := _plain(path, name, called))}
+    stem = called or name
+    if any(path.name == file_name(stem, kind, "json", part=part) for path, (part, _) in found.items()):
         return ()
     return tuple(path for path, (_, is_variant) in found.items() if is_variant)
 
 
-def _plain(sidecar: Path, name: str) -> tuple[str | None, bool] | None:
-    """The part of a bake called `name`, and whether it is a variant; None for a sidecar of another."""
+def _plain(sidecar: Path, name: str, called: str) -> tuple[str | None, bool] | None:
+    """The part of a bake of `name`, and whether it is a variant; None for a sidecar of another."""
     try:
         facts = read_facts(sidecar)
-        part = part_in(facts)
+        part, own = part_in(facts), called_in(facts)
     except FormatError:
         return None
-    if facts.values.get("object") != name:
+    if facts.values.get("object") != name or own != ("" if called == name else called):
         return None
     return None if part is None else part.name, any(key in facts.values for key in _KEYS)

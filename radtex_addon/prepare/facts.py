@@ -8,6 +8,7 @@ import bpy
 
 from ..formats.fingerprint import Fingerprint
 from ..formats.sidecar import Part, Sidecar, Source, TexelDensity
+from ..settings.bake_names import own_name
 from ..settings.spec import BakeSpec
 from ..version import VERSION
 
@@ -56,4 +57,5 @@ def facts_of(
         blend=blend,
         texel_weights=spec.texel_weights or "",
         backs=str(spec.backs) if spec.form.backs else "",
+        called=own_name(spec.bake_name, name),
     )

@@ -24,7 +24,7 @@ from .bake_group import ScriptNode, group_in, load_with_groups, made_materials
 from .kept_copies import home_of_copies, keep
 from .light_linking import link_alike
 from .load import remove_unused
-from .swap import copy_of, has_moved, homes, is_in, stand_in
+from .swap import copy_of, has_moved, homes, is_in, shown_name, stand_in
 
 _LOCKS = ("lock_location", "lock_rotation", "lock_scale")
 
@@ -46,6 +46,8 @@ def apply_to_copies(
 ) -> list[Applied]:
     """Make a copy "NAME (baked copy)" of each object, with the bake's mesh, UVs and material.
 
+    NAME is the object's, or the bake's where that has one of its own.
+
     It stands where the object is now, or its preview, in the collection of the scene's copies, without
     parent, constraints, modifiers and animation; visible, also where the object is hidden. In `layer` the
     copies are selected, and nothing else.
@@ -63,7 +65,7 @@ def apply_to_copies(
     for original, mesh, matrix in zip(originals, meshes, matrices, strict=True):
         moved = has_moved(matrix, mesh)
         copy = stand_in(original, mesh)
-        copy.name = f"{original.name} (baked copy)"
+        copy.name = f"{shown_name(original, file)} (baked copy)"
         settle(copy, mesh, matrix)
         _free(copy)
         link_alike(copy, original, homes(original) if home is None else [home])

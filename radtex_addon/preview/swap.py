@@ -19,6 +19,7 @@ import bpy
 import numpy as np
 
 from ..core.errors import InputError, RadTexError
+from ..formats.sidecar import called_in
 from ..formats.sidecar_file import AnySidecar, SidecarFile, opened
 from ..scene.mesh.copy import MATRIX, SHOWN, copy_object
 from ..scene.objects import animates_visibility
@@ -124,6 +125,7 @@ def _show(original: bpy.types.Object, mesh: bpy.types.Mesh, sidecar: SidecarFile
             follow_sun(material, original.users_scene[0])
     _take_away(original)
     copy = stand_in(original, mesh)
+    copy.name = f"{shown_name(original, sidecar)} (baked)"
     stances = _layer_states(original)
     link_alike(copy, original, homes(original))
     _hide(original, copy)
@@ -356,6 +358,14 @@ def _check(original: bpy.types.Object) -> None:
         raise InputError(
             f"object '{name}' has animated visibility, which would show it again: mute that animation"
         )
+
+
+def shown_name(original: bpy.types.Object, sidecar: SidecarFile) -> str:
+    """What a copy that shows a bake is called after: the object, or the bake's own name."""
+    called = called_in(sidecar.facts)
+    if not called:
+        return original.name
+    return f"{original.name}, {called}" if "objects" in sidecar.facts.values else called
 
 
 def stand_in(original: bpy.types.Object, mesh: bpy.types.Mesh) -> bpy.types.Object:

@@ -7,8 +7,9 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -18,7 +19,7 @@ from ..core.gutter import covered_in_coarser, gutter_agreement
 from ..core.messages import Setting, do, leave_out
 from ..core.surface import SurfaceMesh
 from ..core.texel_map import covered_texels
-from ..formats.sidecar import Sidecar, file_name, part_in, preview_path
+from ..formats.sidecar import Sidecar, called_in, file_name, part_in, preview_path
 from ..formats.sidecar_file import AnySidecar, SidecarFile, opened, read_facts
 from ..forms import Form, form_in
 from ..forms.form import Alpha, Lookup
@@ -26,6 +27,7 @@ from ..scene.mesh.copy import UV_LAYER
 from ..settings.choices import Backs, parse_backs, parse_capture, parse_kind, parse_layout
 from ..settings.kinds import DEFAULT_KIND, Kind, is_default_kind
 from ..settings.options import MARKED
+from ..settings.quality import Quality
 from ..settings.rays import step_to
 from ..settings.spec import BakeSpec, Compression
 from .gbuffer import Array, GBuffer
@@ -131,14 +133,76 @@ def find_bake(
 
 
 def find_bakes(
-    place: Path, object_name: str | None, purpose: str, kinds: Collection[str] = (DEFAULT_KIND,)
+    place: Path,
+    object_name: str | None,
+    purpose: str,
+    kinds: Collection[str] = (DEFAULT_KIND,),
+    called: str = "",
 ) -> list[SidecarFile]:
-    """Like `find_bake`, but if an object is split, the sidecars of all its parts that exist."""
+    """Like `find_bake`, but if an object is split, the sidecars of all its parts that exist.
+
+    `called`: in a folder, only the bakes whose files are called so.
+    """
     if not _is_folder(place):
         file = SidecarFile.read(place)
         _check(file.path, _identity(file), object_name, purpose, kinds)
         return [file]
-    return _chosen(place, _bakes_in(place), object_name, purpose, kinds)
+    files = _bakes_in(place)
+    if called:
+        files = {path: each for path, each in files.items() if each[1].called == called} or files
+    return _chosen(place, files, object_name, purpose, kinds)
+
+
+class NamedBake(NamedTuple):
+    """All that there is of an `object`, or a shared atlas, by one name: frames, lamps, parts and kinds.
+
+    Its files are `called` so; `time` is when the latest of them was written, in nanoseconds; `quality` is
+    that of this one in words.
+    """
+
+    object: str
+    called: str
+    sidecars: tuple[Path, ...]
+    time: int
+    quality: str
+
+
+def named_bakes(folder: Path, name: str) -> tuple[NamedBake, ...]:
+    """The bakes of the object or shared atlas `name` in a folder, by what they are called, the newest first.
+
+    Those of shared atlases that it is in only where it has none of its own. Quick for what has not changed
+    since it was read.
+    """
+    found: list[tuple[Path, int, _Identity, str]] = []
+    try:
+        for path in _json_files(folder):
+            told = path.stat()
+            known = _known(path, told.st_mtime_ns, told.st_size)
+            if known is not None and (name == known[0].name or name in known[0].objects):
+                found.append((path, told.st_mtime_ns, *known))
+    except (InputError, OSError):
+        return ()
+    groups: dict[tuple[str, str], list[tuple[Path, int, _Identity, str]]] = {}
+    for one in [one for one in found if one[2].name == name] or found:
+        groups.setdefault((one[2].name, one[2].called), []).append(one)
+    made = []
+    for (object_name, called), group in groups.items():
+        _, time, _, quality = max(group, key=lambda one: one[1])
+        made.append(NamedBake(object_name, called, tuple(one[0] for one in group), time, quality))
+    return tuple(sorted(made, key=lambda one: (-one.time, one.called)))
+
+
+@lru_cache(maxsize=4096)
+def _known(path: Path, _time: int, _size: int) -> tuple[_Identity, str] | None:
+    """A sidecar's identity and its quality in words, kept for a file of that time and size.
+
+    None if it is none of ours.
+    """
+    try:
+        file = SidecarFile.read(path)
+        return _identity(file), str(Quality.in_facts(file.facts))
+    except FormatError:
+        return None
 
 
 def find_bakes_of_all(
@@ -184,7 +248,7 @@ def _chosen(
     """Those of a folder's bakes that `find_bakes` returns."""
     found = {path: identity for path, (_, identity) in files.items()}
     wanted = {path: identity for path, identity in found.items() if identity.is_of(object_name)}
-    wanted = {path: wanted[path] for path in wanted if wanted[path].name == object_name} or wanted
+    wanted = _nearest(wanted, object_name)
     if not wanted:
         raise InputError(f"{place} holds no bake of '{object_name}': it has {_listed(found.values())}")
     of_radiance = [path for path, identity in wanted.items() if is_default_kind(identity.kind)]
@@ -195,12 +259,24 @@ def _chosen(
     whole = [path for path in plain if wanted[path].split is None]
     fitting = whole or plain or fitting  # prefer whole objects to parts, and these to frames and single lamps
     splits = {(wanted[path].split, wanted[path].variant) for path in fitting}
-    if len(fitting) > 1 and (len(splits) > 1 or wanted[fitting[0]].split is None):
+    alike = len(splits) == 1 and len({wanted[path].called for path in fitting}) == 1
+    if len(fitting) > 1 and (not alike or wanted[fitting[0]].split is None):
         names = ", ".join(path.name for path in fitting)
         raise InputError(f"{place} holds {names}: name one of these files instead of the folder")
     if not fitting:
         _check(*next(iter(wanted.items())), object_name, purpose, kinds)
     return [files[path][0] for path in fitting]
+
+
+def _nearest(wanted: dict[Path, _Identity], name: str | None) -> dict[Path, _Identity]:
+    """Of bakes that may be meant by a name, those of the object so called, else those that are called so.
+
+    Of the object's, one that is called like it goes before others.
+    """
+    own = {path: each for path, each in wanted.items() if each.name == name}
+    plain = {path: each for path, each in own.items() if each.called == name}
+    called = {path: each for path, each in wanted.items() if each.called == name}
+    return plain or own or called or wanted
 
 
 def check_whole(sidecar: AnySidecar) -> None:
@@ -220,6 +296,11 @@ def object_of(sidecar: AnySidecar) -> str:
     return _identity(sidecar).name
 
 
+def called_of(sidecar: AnySidecar) -> str:
+    """What the files of a sidecar's bake are called. Raises FormatError."""
+    return _identity(sidecar).called
+
+
 def objects_and_frame(sidecar: AnySidecar) -> tuple[tuple[str, ...], int | None]:
     """The objects that an atlas is of, and the frame at which it was baked, if one was asked for.
 
@@ -234,10 +315,12 @@ class _Identity:
     """The facts that tell a folder's bakes apart: name, kind and objects.
 
     For a part of an object, `split` is how the object was split and again the kind, and `part` is the part's
-    name. `variant` is the bake's frame, if one was specified, and its lamps, if not all.
+    name. `variant` is the bake's frame, if one was specified, and its lamps, if not all. `called` is what its
+    files are called before all these.
     """
 
     name: str
+    called: str
     kind: str
     objects: tuple[str, ...]
     split: tuple[str, str] | None
@@ -252,11 +335,11 @@ class _Identity:
     @property
     def plain_file(self) -> str:
         """The sidecar's file name if the bake is of all light and of no specified frame."""
-        return file_name(self.name, self.kind, "json", part=self.part)
+        return file_name(self.called, self.kind, "json", part=self.part)
 
     def is_of(self, name: str | None) -> bool:
-        """Whether the bake or one of its objects has this name; True for None."""
-        return name is None or name == self.name or name in self.objects
+        """Whether the bake, its object or one of its objects has this name; True for None."""
+        return name is None or name in (self.name, self.called) or name in self.objects
 
 
 def _json_files(folder: Path) -> list[Path]:
@@ -273,9 +356,11 @@ def _identity(sidecar: AnySidecar) -> _Identity:
     part, kind = part_in(facts), facts.text("kind")
     lights = facts.texts("lights") if "lights" in facts.values else ()
     variant = (facts.whole_number("frame", 0) if "frame" in facts.values else None, lights)
+    name = facts.text("object")
+    called = called_in(facts) or name
     if part is None:
-        return _Identity(facts.text("object"), kind, objects, None, None, variant)
-    return _Identity(facts.text("object"), kind, objects, (part.by, kind), part.name, variant)
+        return _Identity(name, called, kind, objects, None, None, variant)
+    return _Identity(name, called, kind, objects, (part.by, kind), part.name, variant)
 
 
 def _read_if_ours(path: Path) -> SidecarFile | None:

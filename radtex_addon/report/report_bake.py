@@ -23,7 +23,7 @@ from ..scene.scratch import at_frame, scratch_scene
 from ..scene.units import metres_per_unit
 from ..settings.spec import Unwrap
 from .causes import bake_variants, first_change
-from .finished_bake import Finished, check_whole, object_of, read_bake
+from .finished_bake import Finished, called_of, check_whole, read_bake
 from .judging import PartFigures, judge, mean_energy, mean_flip, mean_psnr, noise_floor, part_figures
 from .map_pictures import map_pictures
 from .mesh import SurfaceFound, find_mesh
@@ -89,7 +89,7 @@ def report_path(sidecar: AnySidecar) -> Path:
     file = opened(sidecar)
     stem = file.path.name.removesuffix(f".{file.facts.text('kind')}.json")
     if stem == file.path.name:  # it was renamed
-        return file.path.with_name(file_name(object_of(file), "report", "html"))
+        return file.path.with_name(file_name(called_of(file), "report", "html"))
     return file.path.with_name(f"{stem}.report.html")
 
 

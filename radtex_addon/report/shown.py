@@ -10,39 +10,54 @@ from pathlib import Path
 import bpy
 
 from ..core.errors import InputError, RadTexError
-from ..formats.sidecar import file_name
+from ..formats.sidecar import called_in, file_name
 from ..formats.sidecar_file import AnySidecar, SidecarFile
 from ..preview.swap import copy_of, is_on
 from ..preview.variant import Variant, kept_variant, read_variant
 from ..settings.kinds import KINDS, Kind
 from ..settings.options import MARKED
 from ..store.ownership import is_of_blend
-from .finished_bake import find_bake, find_bakes
+from .finished_bake import find_bake, find_bakes, named_bakes
 
 _UNSEEN = [kind for kind, traits in KINDS.items() if not traits.judged]
 
 
-def shown_bake(place: Path, name: str) -> SidecarFile:
+def shown_bake(place: Path, name: str, called: str = "") -> SidecarFile:
     """The sidecar of a bake of the object `name`, of any kind: `place` itself, or in that folder.
 
-    Raises InputError where there is none, FormatError for a file that is no sidecar.
+    `called` is what its files are called, where that is known, and not as the object. Raises InputError where
+    there is none, FormatError for a file that is no sidecar.
     """
     if not place.is_dir():
         return find_bake(place, None, "shown") if not place.exists() else SidecarFile.read(place)
     for kind in Kind:
-        sidecar = place / file_name(name, kind, "json")
-        if sidecar.is_file():
-            return SidecarFile.read(sidecar)
-    return find_bakes(place, name, "shown", tuple(Kind))[0]  # all parts share one preview
+        sidecar = place / file_name(called or name, kind, "json")
+        if sidecar.is_file() and _is_of(file := SidecarFile.read(sidecar), name):
+            return file
+    return find_bakes(place, name, "shown", tuple(Kind), called)[0]  # all parts share one preview
+
+
+def _is_of(file: SidecarFile, name: str) -> bool:
+    """Whether a bake is of the object `name`, and not only called so."""
+    if not called_in(file.facts):
+        return True
+    shared = file.facts.texts("objects") if "objects" in file.facts.values else ()
+    return name == file.facts.text("object") or name in shared
 
 
 def has_bakes(folder: Path, names: Iterable[str], blend: Path) -> bool:
     """Whether a folder has a bake of each of the objects, of any kind, none of another file than `blend`."""
     try:
-        found = [shown_bake(folder, name).path for name in names] if folder.is_dir() else None
+        found = [_newest(folder, name) for name in names] if folder.is_dir() else None
     except RadTexError:
         return False
     return found is not None and all(is_of_blend(sidecar, blend) for sidecar in found)
+
+
+def _newest(folder: Path, name: str) -> Path:
+    """The sidecar of a bake of the object, of several names the newest. Raises as `shown_bake` does."""
+    found = named_bakes(folder, name)
+    return shown_bake(folder, name, found[0].called if len(found) > 1 else "").path
 
 
 def bakes_of(items: Iterable[bpy.types.Object], place: Path) -> dict[bpy.types.Object, SidecarFile | None]:

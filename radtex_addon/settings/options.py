@@ -17,6 +17,7 @@ from ..bake.plan import MAX_IMAGE_SIDE, SHEET
 from ..core.messages import Setting
 from ..core.sampler import Filter
 from ..formats.containers.compression import Compression
+from .bake_names import OBJECT, TOKENS
 from .choices import Backs, CaptureMethod, Unwrap, View
 from .kinds import DEFAULT_KIND, Kind, Layout, Light
 from .menu_items import (
@@ -43,6 +44,7 @@ DEFAULT_FOLDER = "//radtex/{blend_name}/"  # the panel's
 LEAST_MEMORY, MOST_MEMORY = 16, 2**24  # limits of --memory, in MiB
 _LENGTH = {"min": 0.0, "max": 1e18, "step": 1, "precision": 3, "subtype": "DISTANCE"}  # a property's
 _FRAMES = (0, 1048574)  # Blender's
+_TOKENS = "; ".join(f"{{{token}}}: {told}" for token, told in TOKENS.items())
 
 
 @dataclass(frozen=True)
@@ -85,6 +87,7 @@ class BakeOptions:
     alone: bool = False
     texel_weights: str | None = None
     backs: Backs = Backs.AUTO
+    bake_name: str = OBJECT
 
 
 _DEFAULTS = {each.name: each.default for each in fields(BakeOptions)}
@@ -334,6 +337,13 @@ FOLDER = Section(Fold.OUTPUT, (
          default_words="radtex/NAME beside NAME.blend; without a file, radtex",
          tooltip="Where the atlas and all that belongs to it are written; // is the .blend file's folder, "
          "{blend_name} its name, so that no two files share a folder"),
+    _row("bake_name", flag="--name", metavar="PATTERN", title="Bake Name", called=Setting.BAKE_NAME,
+         help="what the files are called, NAME in DIR/NAME.KIND.exr and so on, such as {object}.{quality}, "
+         f"so that a draft and a final bake lie side by side. {_TOKENS}",
+         default_words=OBJECT,
+         tooltip="What the bake's files are called, such as {object}.{quality}, so that a draft and a final "
+         f"bake of one object lie side by side. {_TOKENS}",
+         resumes=True, of_atlas=False),  # the unfinished bake lies by that name
     _row("overwrite", flag="--overwrite", default=False, title="Overwrite", fold=Fold.SCRIPTS,
          called=Setting.OVERWRITE,
          help="replace an earlier bake of the same thing, unless it is better: with more texels, cells or "

@@ -103,6 +103,8 @@ class BakeSpec(BakeOptions):
       for itself; nor where samples are added to an atlas. The command line and the panel have it on.
     * `sheet`: cells of the plain layout are rendered in sheets of about `sheet`² pixels, each with its seed.
 
+    What its files are called: `bake_name` (`settings.bake_names`).
+
     The course of this run, the fields that are not `of_atlas` in the table:
 
     * `device`: see `cycles.device.use_device`. `memory_mb`: limit for the bake's memory, without the scene's.

@@ -10,6 +10,7 @@ from ..bake.plan import MAX_IMAGE_SIDE
 from ..core.errors import InputError
 from ..core.messages import Setting, do, leave_out
 from ..formats.containers.compression import Compression
+from .bake_names import check_pattern
 from .choices import CaptureMethod
 from .forms import FormTraits
 from .kinds import KINDS, Light, form_in
@@ -39,6 +40,7 @@ def check(spec: BakeSpec) -> None:
         raise InputError(f"unwrap at frame {spec.unwrap_at} is for frames without a UV layer: leave it out")
     if spec.uv_layer == "":
         raise InputError("the UV layer's name is empty: name one of the object's, or none to unwrap anew")
+    check_pattern(spec.bake_name)
     _check_weights(spec)
     _check_kind(spec)
     if _asked(spec).by_paths:

@@ -21,6 +21,7 @@ from ..formats.sidecar_file import read_facts
 from ..forms import form_for
 from ..forms.layered.files.arrangement import CHANNELS as LAYERED
 from ..forms.outcome import Outcome
+from ..settings.bake_names import filled
 from ..settings.spec import BakeSpec, Layer
 from ..textures.export_spec import Target
 from .checkpoint_files import ANEW, is_unfinished
@@ -54,8 +55,9 @@ class OutputFiles:
     def of(cls, object_name: str, spec: BakeSpec, folder: Path, preview: bool = False) -> OutputFiles:
         """The files of a bake in `folder`, named as in docs/format.md, plus its frame and lamps.
 
-        All parts of an object share one preview.
+        All parts of an object share one preview. Raises InputError if a token of the name is not known yet.
         """
+        object_name = filled(spec.bake_name, object_name)
         if spec.frame is not None:
             object_name = f"{object_name}-{spec.frame:04d}"
         if spec.lights:

@@ -44,6 +44,7 @@ from .panel.settings_panels import (
 )
 from .settings import preferences, presets, seen_version
 from .settings.bake_settings import RADTEX_PG_settings
+from .settings.chosen_bakes import RADTEX_PG_chosen_bake
 from .settings.chosen_objects import RADTEX_PG_chosen, RADTEX_PG_listed
 from .settings.kept_exports import RADTEX_PG_kept_export
 from .settings.object_settings import RADTEX_PG_object
@@ -61,6 +62,7 @@ CLASSES = (
     RADTEX_PG_listed,
     RADTEX_PG_chosen,
     RADTEX_PG_kept_export,
+    RADTEX_PG_chosen_bake,
     RADTEX_OT_bake,
     RADTEX_OT_bake_scene,
     RADTEX_OT_join_instances,
@@ -108,6 +110,7 @@ def register() -> None:
     _scene.radtex = _props.PointerProperty(type=RADTEX_PG_settings)
     _scene.radtex_chosen = _props.PointerProperty(type=RADTEX_PG_chosen)
     _scene.radtex_exports = _props.CollectionProperty(type=RADTEX_PG_kept_export)
+    _scene.radtex_chosen_bakes = _props.CollectionProperty(type=RADTEX_PG_chosen_bake)
     _object.radtex = _props.PointerProperty(type=RADTEX_PG_object)
     presets.register()
     keys.register()
@@ -131,6 +134,7 @@ def unregister() -> None:
     keys.unregister()
     presets.unregister()
     del _object.radtex
+    del _scene.radtex_chosen_bakes
     del _scene.radtex_exports
     del _scene.radtex_chosen
     del _scene.radtex

@@ -183,6 +183,7 @@ def _facts_of(job: Job) -> dict[str, Any]:
             "part": order.part,
             "variant": order.variant,
             "shared": list(order.shared),
+            "called": order.called,
             "seconds": order.seconds,
             "blend": None if order.blend is None else str(order.blend),
         },
@@ -211,6 +212,7 @@ def _job(number: int, told: dict[str, Any]) -> Job:
         part=str(order["part"]),
         variant=str(order["variant"]),
         shared=tuple(map(str, order["shared"])),
+        called=str(order.get("called", "")),
         seconds=float(order["seconds"]),
         blend=None if order["blend"] is None else Path(order["blend"]),
     )

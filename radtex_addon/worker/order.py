@@ -65,12 +65,12 @@ class Work(StrEnum):
 class Order:
     """One run of `bake.py`, and how the panel describes it.
 
-    `object` is the object's or the shared atlas's name, `part` the part of it, `variant` the frame or lamps,
-    and `about` tells the job from others of the same object (kind, or export target). `shared` are the
-    objects of a shared atlas. `folder` has the worker's own files; it is deleted with the last of its orders.
-    `out` is the folder of the results. `blend` is the file to open, if any; `facts` is the rest of the order,
-    as JSON's types. `stages` are the stages that the worker may report, in order, each with its fraction of
-    the whole time, 0 for one that this order skips; `seconds` is how long all of it typically takes, and
+    `object` is the object's or the shared atlas's name, `called` what a bake's files are called if not so,
+    `part` the part of it, `variant` the frame or lamps, and `about` tells the job from others of the same
+    object (kind, or export target). `shared` are the objects of a shared atlas. `folder` has the worker's own
+    files; it is deleted with the last of its orders. `out` is the folder of the results. `blend` is the file
+    to open, if any; `facts` is the rest of the order, as JSON's types. `stages` are the stages
+    that the worker may report, in order, each with its fraction of the whole time, 0 for one that this order skips; `seconds` is how long all of it typically takes, and
     `expected` of a bake what each stage takes and how sure that is. `remedy` is what to do if the worker ends
     early.
     """
@@ -86,6 +86,7 @@ class Order:
     part: str = ""
     variant: str = ""
     shared: tuple[str, ...] = ()
+    called: str = ""
     seconds: float = 1.0
     expected: Estimate | None = None
     blend: Path | None = None

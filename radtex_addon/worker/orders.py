@@ -13,6 +13,7 @@ from ..bake.progress import Stage
 from ..core.sampler import Filter
 from ..job.variants import Bake, variant_of
 from ..report.report_progress import ReportTask
+from ..settings.bake_names import own_name
 from ..settings.estimate import BakeWork, Estimate, estimate
 from ..settings.kinds import is_default_kind
 from ..settings.spec import BakeSpec, facts_of
@@ -60,6 +61,7 @@ def order_bake(
         part=spec.part or "",
         variant=variant_of(spec),
         shared=spec.objects,
+        called=own_name(spec.bake_name, name),
         folder=handover.folder,
         out=out,
         blend=handover.blend,
@@ -146,10 +148,12 @@ def order_comparison(
     eye: Viewpoint,
     spec: ComparisonSpec,
     out: Path,
+    sidecars: Sequence[Path | None] = (),
 ) -> Order:
     """A comparison of objects with their bakes, seen by `eye`; its pictures go to `out`.
 
-    `bake` is the folder of the bakes, or a sidecar; None if all previews are on.
+    `bake` is the folder of the bakes, or a sidecar; None if all previews are on. `sidecars`: of each object
+    that of its bake, None if its preview is on, where the folder alone does not tell them.
     """
     view, window = eye.rows
     return Order(
@@ -162,6 +166,7 @@ def order_comparison(
             **_of_scene(handover),
             "objects": list(names),
             "bake": None if bake is None else str(bake.absolute()),
+            "sidecars": ["" if one is None else str(one.absolute()) for one in sidecars],
             "view": view,
             "window": window,
             "pixels": spec.pixels,

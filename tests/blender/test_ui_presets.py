@@ -14,8 +14,9 @@ import pytest
 
 from radtex_addon.forms import cost_of
 from radtex_addon.settings import cost
+from radtex_addon.settings.presets import STOCK, SUBDIR
 from radtex_addon.settings.spec import BakeSpec, Layout
-from radtex_addon.ui.settings.presets import PRESET_NAMES, STOCK, SUBDIR, is_applied
+from radtex_addon.ui.settings.presets import PRESET_NAMES, is_applied
 from radtex_addon.ui.settings.request import spec_of, values_of
 from tests.blender.ui_stage import ops, preferences, registered, settings
 

@@ -11,10 +11,10 @@ from typing import Any
 
 import bpy
 
+from radtex_addon.settings.presets import SUBDIR
 from radtex_addon.ui import registration
 from radtex_addon.ui.jobs import estimates, jobs
 from radtex_addon.ui.panel import panel_state
-from radtex_addon.ui.settings.presets import SUBDIR
 from tests.blender.ui_stage import context
 
 TIMERS = (panel_state._tick, jobs._pulse, estimates._pulse)

@@ -18,11 +18,12 @@ from radtex_addon.cycles.device import GPU_TYPES
 from radtex_addon.job.layout_choice import OpenLayout
 from radtex_addon.settings import menu_items as choices
 from radtex_addon.settings.kinds import KINDS, Light
+from radtex_addon.settings.presets import STOCK
 from radtex_addon.settings.spec import BakeSpec, Compression, Kind, Layer, Layout, Unwrap
 from radtex_addon.textures.export_spec import Target
 from radtex_addon.ui import registration
 from radtex_addon.ui.settings.bake_settings import NAMES, places
-from radtex_addon.ui.settings.presets import STOCK, RADTEX_OT_preset_add, apply_preset
+from radtex_addon.ui.settings.presets import RADTEX_OT_preset_add, apply_preset
 from radtex_addon.ui.settings.request import open_layout_of, request_of, spec_of, values_of, values_with
 from tests.blender.ui_stage import context, ops, preferences, properties_of, registered, settings
 

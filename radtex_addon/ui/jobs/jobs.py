@@ -136,7 +136,8 @@ def is_superseded(job: Job) -> bool:
 def _subject(job: Job) -> tuple[object, ...]:
     """What is baked, and into which folder."""
     order = job.order
-    return order.work, order.object, order.shared, order.about, order.part, order.variant, order.out
+    same = order.work, order.object, order.shared, order.about, order.part, order.variant, order.out
+    return *same, order.called
 
 
 def go_on(number: int | None = None) -> None:
@@ -199,19 +200,41 @@ def submit(scene: bpy.types.Scene, plans: Sequence[BakePlan], names: Sequence[st
 
 
 def is_being_baked(name: str, settings: BakeSettings) -> bool:
-    """Whether a bake of the object, of the kind and the part that the settings ask for, waits or runs."""
+    """Whether a bake of the object, of the kind, part and name that the settings ask for, waits or runs."""
     from ...settings.kinds import is_default_kind
     from ...worker.order import Work
 
     about = "" if is_default_kind(settings.kind) else settings.kind
     part = settings.part if settings.split != "none" else ""
-    return any(
-        name in (job.order.shared or (job.object,))
+    found = [
+        job
+        for job in _session.shown
+        if not job.ended
+        and job.work is Work.BAKE
+        and name in (job.order.shared or (job.object,))
         and job.order.about == about
         and (not part or job.order.part == part)
-        for job in _session.shown
-        if not job.ended and job.work is Work.BAKE
-    )
+    ]
+    return bool(found) and _pattern_of(settings) in [job.order.facts["spec"]["bake_name"] for job in found]
+
+
+def _pattern_of(settings: BakeSettings) -> str:
+    """What bakes by the settings are called, with all tokens filled in but the object's."""
+    from ...core.errors import InputError
+    from ...job.bake_request import with_quality
+    from ...job.variants import named_in
+    from ...settings.bake_names import OBJECT
+    from ..settings.request import open_layout_of, spec_of, values_of
+
+    if settings.bake_name == OBJECT:
+        return OBJECT
+    owner, values = settings.id_data, values_of(settings)
+    scene = owner if isinstance(owner, bpy.types.Scene) else bpy.context.scene
+    assert scene is not None  # None only while Blender starts
+    try:
+        return named_in(scene, with_quality(spec_of(values), open_layout_of(values))).bake_name
+    except InputError:  # which the request's own checks report
+        return str(settings.bake_name)
 
 
 def _free(plan: BakePlan) -> tuple[Bake, ...]:
@@ -221,19 +244,20 @@ def _free(plan: BakePlan) -> tuple[Bake, ...]:
     """
     from ...core.errors import InputError
     from ...job.variants import variant_of
+    from ...settings.bake_names import own_name
     from ...worker.order import Work
     from ...worker.orders import kind_of
 
     request = plan.request
     busy = {
-        (job.object, job.order.about, job.order.part, job.order.variant)
+        (job.object, job.order.about, job.order.part, job.order.variant, job.order.called)
         for job in _session.shown
         if not job.ended and job.work is Work.BAKE and job.out == request.folder
     }
     taken = [
         (name, spec)
         for name, spec in plan.wanted
-        if (name, kind_of(spec), spec.part or "", variant_of(spec)) in busy
+        if (name, kind_of(spec), spec.part or "", variant_of(spec), own_name(spec.bake_name, name)) in busy
     ]
     free = tuple(bake for bake in plan.wanted if bake not in taken)
     if taken and not (request.resume and free):

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, cast
 import bpy
 
 from ...scene.surfaces import may_have_faces
+from ..settings.chosen_bakes import chosen_name
 from ..settings.chosen_objects import chosen_meshes
 from ..settings.object_settings import settings_for
 
@@ -60,8 +61,9 @@ def sharing(layer: bpy.types.ViewLayer, name: str, scene: bpy.types.Scene, bake:
     kind = settings_for(scene, name).kind
     try:
         place = bake_location(scene, bake, name)
-        variants = variants_in(place, name, kind) if place.is_dir() else ()
-        facts = read_facts(variants[0] if variants else shown_bake(place, name))
+        called = chosen_name(scene, place, name)
+        variants = variants_in(place, name, kind, called) if place.is_dir() else ()
+        facts = read_facts(variants[0] if variants else shown_bake(place, name, called))
         return facts.texts("objects") if "objects" in facts.values else ()
     except RadTexError:
         return ()
@@ -97,13 +99,15 @@ def in_object_mode(operator: type[bpy.types.Operator], context: bpy.types.Contex
 
 
 def sidecar_of(scene: bpy.types.Scene, name: str, bake: str) -> Path:
-    """The sidecar of a bake called `name`, of any kind: `bake` itself, or in that folder, or in the scene's.
+    """The sidecar of a bake of `name`, of any kind: `bake` itself, or in that folder, or in the scene's.
 
+    Of bakes of several names it is the one that *Finished Bake* has chosen.
     Raises InputError if there is none, FormatError for a file that is not a sidecar.
     """
     from ...report.shown import shown_bake
 
-    return shown_bake(bake_location(scene, bake, name), name).path
+    place = bake_location(scene, bake, name)
+    return shown_bake(place, name, chosen_name(scene, place, name)).path
 
 
 def bake_location(scene: bpy.types.Scene, bake: str, name: str = "") -> Path:
@@ -182,7 +186,8 @@ def asset_bakes(scene: bpy.types.Scene, names: Sequence[str], bake: str) -> dict
             continue
         try:
             place = bake_location(scene, bake, group[0])
-            sidecar = place / file_name(values["atlas_name"], values["kind"], "json")
+            called = chosen_name(scene, place, values["atlas_name"]) or values["atlas_name"]
+            sidecar = place / file_name(called, values["kind"], "json")
             if sidecar.is_file():
                 inside = read_facts(sidecar).texts("objects")
                 found |= {name: sidecar for name in group if name in inside}

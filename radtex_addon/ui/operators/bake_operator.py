@@ -166,6 +166,7 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
     def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
         # Imported here so that OpenEXR is loaded with the first bake, not when Blender starts.
         from ...core.errors import RadTexError
+        from ...job.bake_plan import check_apart
         from ..jobs import jobs
 
         scene, layer = shown(context)
@@ -180,6 +181,7 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
             if self.show_object and self.only != "all":
                 replaced = [bake for plan in plans for bake in plan.replaced]
                 show_objects(scene, [one for name, spec in replaced for one in spec.objects or (name,)])
+            check_apart(plans)
             for plan in plans:
                 self._tell(plan)
                 check_plan(scene, plan)

@@ -14,6 +14,7 @@ from bpy.props import FloatVectorProperty, IntProperty
 
 from ..jobs import jobs
 from ..panel.labels import remark
+from ..settings.chosen_bakes import chosen_name
 from .bake_lookup import asset_bakes, bake_called, bake_location, originals
 from .bake_operator import shown
 from .operator_mixins import AsksFirst, MayWait, OfBake
@@ -118,7 +119,7 @@ class RADTEX_OT_compare(AsksFirst, MayWait, OfBake, bpy.types.Operator):
         That folder is None if all previews are on. Raises RadTexError.
         """
         from ...preview.swap import is_on
-        from ...report.shown import bakes_of
+        from ...report.shown import bakes_of, shown_bake
 
         if all(map(is_on, items)):
             return dict.fromkeys(items), None
@@ -126,6 +127,13 @@ class RADTEX_OT_compare(AsksFirst, MayWait, OfBake, bpy.types.Operator):
         assets = asset_bakes(scene, [item.name for item in items], bake)
         if len(assets) == len(items) and len(set(assets.values())) == 1:
             place = assets[items[0].name]  # whose objects may also have bakes of their own in the folder
+        if place.is_dir():
+            named = {item: chosen_name(scene, place, item.name) for item in items}
+            bakes = {
+                item: None if is_on(item) else shown_bake(place, item.name, called)
+                for item, called in named.items()
+            }
+            return bakes, place
         return bakes_of(items, place), place
 
     def _compare(self, scene: bpy.types.Scene, bakes: _Bakes, eye: Viewpoint, spec: ComparisonSpec) -> None:
@@ -204,7 +212,8 @@ def submit(
     handover = hand_over(scene, preferred().cache)
     results = TemporaryDirectory(prefix="radtex-comparison-", ignore_cleanup_errors=True)
     names = [item.name for item in bakes]
-    order = order_comparison(handover, names, place, eye, spec, Path(results.name))
+    sidecars = [None if bake is None else bake.path for bake in bakes.values()]
+    order = order_comparison(handover, names, place, eye, spec, Path(results.name), sidecars)
     jobs.add([order], jobs.Completion(_arrival(scene), results))
 
 

@@ -223,7 +223,9 @@ def _title_of(source: ExportSource) -> str:
     """The title of a finished bake."""
     bake = source.bake
     part = "" if bake.part is None else bake.part.name
-    return bake_title(bake.object_name, part=part, variant=variant_title(bake.frame, bake.lights))
+    return bake_title(
+        bake.called or bake.object_name, part=part, variant=variant_title(bake.frame, bake.lights)
+    )
 
 
 def _baked_at(sidecar: Path) -> str:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from ..jobs import jobs
+from ..settings.chosen_bakes import chosen_name
 from ..settings.object_settings import settings_for
 from .bake_lookup import asset_bakes, bake_location, originals, sharing
 
@@ -43,8 +44,8 @@ def export_sources(
         names = [name]
     assets = asset_bakes(scene, names, bake)
     found = [ExportSource.of(sidecar) for sidecar in dict.fromkeys(assets.values())]
-    alone = (called for called in names if called not in assets)
-    found += [source for called in alone for source in _sources_of(scene, called, bake)]
+    alone = (one for one in names if one not in assets)
+    found += [source for one in alone for source in _sources_of(scene, one, bake)]
     return list({source.sidecar.path: source for source in found}.values())  # objects may share an atlas
 
 
@@ -87,17 +88,21 @@ def submit_scene(
     jobs.add([order_scene_export(folder, sidecars, name, spec, out, overwrite=overwrite)], None)
 
 
-def _sources_of(scene: bpy.types.Scene, called: str, bake: str) -> list[ExportSource]:
-    """The bakes named `called`, one for each part or variant; of several kinds the panel's."""
+def _sources_of(scene: bpy.types.Scene, name: str, bake: str) -> list[ExportSource]:
+    """The bakes of `name`, one for each part or variant; of several kinds the panel's.
+
+    Of bakes of several names those of the one that *Finished Bake* has chosen.
+    """
     from ...export.exporting import ExportSource
     from ...formats.sidecar import file_name
     from ...job.variants import variants_in
     from ...report.finished_bake import find_bakes
     from ...settings.spec import Kind
 
-    place, kind = bake_location(scene, bake, called), settings_for(scene, called).kind
-    chosen_kind = place / file_name(called, kind, "json")
-    variants = variants_in(place, called, kind) if place.is_dir() else ()
+    place, kind = bake_location(scene, bake, name), settings_for(scene, name).kind
+    called = chosen_name(scene, place, name)
+    chosen_kind = place / file_name(called or name, kind, "json")
+    variants = variants_in(place, name, kind, called) if place.is_dir() else ()
     place = chosen_kind if chosen_kind.is_file() else place
-    name = called if place.is_dir() else None
-    return [ExportSource.of(file) for file in variants or find_bakes(place, name, "exported", tuple(Kind))]
+    found = variants or find_bakes(place, name if place.is_dir() else None, "exported", tuple(Kind), called)
+    return [ExportSource.of(file) for file in found]

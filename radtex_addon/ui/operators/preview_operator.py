@@ -7,11 +7,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty
+from bpy.props import BoolProperty, EnumProperty, StringProperty
 
+from ...scene.scratch import find_view_layer
 from ...settings.menu_items import LAYERS
 from ..panel.labels import remark
-from .bake_lookup import bake_called, originals, sidecars_of
+from ..panel.panel_state import mark_stale
+from ..settings.chosen_bakes import bakes_by_name, choose
+from .bake_lookup import bake_called, bake_location, originals, sharing, sidecars_of
 from .bake_operator import shown
 from .operator_mixins import OfBake
 from .switch import blind_line, blind_view, draw_shadings
@@ -119,6 +122,59 @@ class RADTEX_OT_preview_toggle(OfBake, bpy.types.Operator):
             self.report({"WARNING"}, remark(error))
         for name in (preview.original.name for preview in made if preview.moved):
             self.report({"WARNING"}, f"{name} has moved since the bake: it shows the light of its old place")
+
+
+class RADTEX_OT_choose_bake(bpy.types.Operator):
+    """Use this bake with the buttons below. If one is shown in the object's place, show this one instead"""
+
+    bl_idname = "radtex.choose_bake"
+    bl_label = "Choose Bake"
+    bl_options = {"REGISTER"}  # pushes its own undo step: see undo.py
+
+    if TYPE_CHECKING:  # types of the properties that Blender creates from the annotations below
+        object: str
+        called: str
+    else:
+        object: StringProperty(
+            name="Object",
+            description="Name of the object, or of the atlas that objects share",
+            options={"SKIP_SAVE"},
+        )
+        called: StringProperty(
+            name="Bake",
+            description="What the bake's files are called, such as Vase.final",
+            options={"SKIP_SAVE"},
+        )
+
+    def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
+        from ...core.errors import InputError, RadTexError
+        from ...preview.swap import switch_all_on
+        from ...report.shown import shown_bake
+
+        scene, _ = shown(context)
+        try:
+            place = bake_location(scene, "", self.object)
+            found = bakes_by_name(place, self.object)
+            if self.called not in [one.called for one in found]:
+                names = ", ".join(f"'{one.called}'" for one in found) or "none with a name of its own"
+                raise InputError(f"{place} holds no bake '{self.called}' of '{self.object}': it has {names}")
+            if items := self._shown(scene):
+                switch_all_on(items, shown_bake(place, self.object, self.called))
+        except RadTexError as error:
+            self.report({"ERROR"}, remark(error))
+            mark_stale()  # the panel offered what is not there
+            return {"CANCELLED"}
+        choose(scene, self.object, self.called, found)
+        push_step(self.bl_label)
+        return {"FINISHED"}
+
+    def _shown(self, scene: bpy.types.Scene) -> list[bpy.types.Object]:
+        """The objects of the bake in whose place one is shown."""
+        from ...preview.swap import is_on
+
+        names = sharing(find_view_layer(scene, None), self.object, scene, "") or (self.object,)
+        there: list[bpy.types.Object | None] = [scene.objects.get(name) for name in names]
+        return [item for item in there if item is not None and is_on(item)]
 
 
 def _offer_shadings(context: bpy.types.Context) -> None:

@@ -109,6 +109,7 @@ class RADTEX_OT_bake_scene(MayWait, bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
         from ...core.errors import RadTexError
+        from ...job.bake_plan import check_apart
         from ...job.left_out import left_out_lines
         from ..jobs import jobs
 
@@ -125,6 +126,7 @@ class RADTEX_OT_bake_scene(MayWait, bpy.types.Operator):
                 self.report({"INFO"}, remark(line))
             for atlas in atlases:
                 self.report({"INFO"}, remark(atlas.told))
+            check_apart(plans)
             for plan in plans:
                 check_plan(scene, plan)
             names = [name for atlas in atlases for name in atlas.objects]

@@ -7,20 +7,27 @@ What is there only while a bake is shown is drawn last, so that showing one move
 
 from __future__ import annotations
 
-from typing import Any
+from datetime import datetime
+from typing import TYPE_CHECKING, Any
 
 import bpy
 
 from ..operators.compare_operator import RADTEX_OT_compare, RADTEX_OT_show_comparison
 from ..operators.export_operator import RADTEX_OT_export
-from ..operators.preview_operator import RADTEX_OT_preview_toggle
+from ..operators.preview_operator import RADTEX_OT_choose_bake, RADTEX_OT_preview_toggle
 from ..operators.switch import draw_layers, draw_shading, draw_switch
+from ..settings.chosen_bakes import chosen_bake
 from ..settings.chosen_objects import nothing_chosen
 from .fitting import draw_button, draw_text
 from .labels import capitalized, iface_
 from .main_panel import Sidebar, drawn
 from .next_buttons import draw_action
-from .panel_state import Forecast, Next
+from .panel_state import Forecast, Next, cached_forecast
+
+if TYPE_CHECKING:
+    from ...report.finished_bake import NamedBake
+
+_NAMED = 6  # bakes of several names that have a row each
 
 # Operator and icon, and texts of which the first one is drawn that fits.
 _MENUS = (
@@ -50,6 +57,8 @@ class RADTEX_PT_afterwards(Sidebar, bpy.types.Panel):
         nothing = found is not None and nothing_is_baked(found, item)
         if found is not None and found.copies:
             draw_text(layout, iface_("These are for the bake's object: select the original"), "INFO")
+        if found is not None and scene is not None:
+            _draw_named(layout, found, scene, item)
         whole = layout.column()
         whole.enabled = there = found is not None and bool(found.objects) and not nothing
         draw_switch(whole, item)
@@ -67,16 +76,75 @@ class RADTEX_PT_afterwards(Sidebar, bpy.types.Panel):
             draw_text(layout, capitalized(iface_(nothing_chosen(scene))), "INFO")
 
 
+class RADTEX_MT_bakes(bpy.types.Menu):
+    """The bakes of the active object that the panel has no room for"""
+
+    bl_label = "More Bakes"
+
+    def draw(self, context: bpy.types.Context | None) -> None:
+        assert context is not None  # Blender always gives one
+        assert context.scene is not None  # as above
+        assert context.view_layer is not None  # as above
+        found = cached_forecast(context.scene, context.view_layer)
+        if found is None or not found.named:
+            return
+        chosen = chosen_bake(context.scene, found.named_of[1], found.named)
+        for one in found.named[_NAMED:]:
+            texts = told_named(one)
+            layout: Any = self.layout
+            button = layout.operator(
+                "radtex.choose_bake", text=texts[0], icon=_radio(one is chosen), translate=False
+            )
+            button.object, button.called = found.named_of[1], one.called
+
+
+def _draw_named(layout: Any, found: Forecast, scene: bpy.types.Scene, item: bpy.types.Object | None) -> None:
+    """Draw the bakes of the active object, the newest first, if any has a name of its own: one is chosen."""
+    from ...preview.swap import original_of
+
+    original = None if item is None else original_of(item)
+    if not found.named or original is None or original.name != found.named_of[0]:
+        return
+    chosen = chosen_bake(scene, found.named_of[1], found.named)
+    column = layout.column(align=True)
+    for one in found.named[:_NAMED]:
+        texts, is_chosen = told_named(one), one is chosen
+        button = draw_button(column, "radtex.choose_bake", _radio(is_chosen), *texts, depress=is_chosen)
+        button.object, button.called = found.named_of[1], one.called
+    if others := found.named[_NAMED:]:
+        column.menu("RADTEX_MT_bakes", text=iface_("and {} more").format(len(others)), translate=False)
+    if chosen in others:
+        draw_text(layout, iface_("{} is chosen").format(chosen.called), "RADIOBUT_ON")
+
+
+def told_named(bake: NamedBake) -> tuple[str, ...]:
+    """What a bake is called, with when it was made and how good it is, and the same in fewer words."""
+    when = datetime.fromtimestamp(bake.time / 1e9).astimezone()
+    dated = f"{bake.called}, {when:%d %b, %H:%M}"
+    return f"{dated}: {bake.quality}", dated, bake.called
+
+
+def _radio(is_on: bool) -> str:
+    return "RADIOBUT_ON" if is_on else "RADIOBUT_OFF"
+
+
 def nothing_is_baked(found: Forecast, item: bpy.types.Object | None) -> bool:
-    """Whether no bake of the chosen objects is there, as far as is known, and none of `item` is shown."""
+    """Whether no bake of the chosen objects is there, as far as is known, and none of `item` is shown.
+
+    One by another name than the settings have counts, too, where `item` is the only object.
+    """
     from ...preview.swap import is_on
 
+    if found.named and len(found.objects) == 1:
+        return False
     shown = found.shown or (item is not None and is_on(item))
     return found.next is Next.BAKE and not found.finished and not found.unfinished and not shown
 
 
 CLASSES = (
     RADTEX_OT_preview_toggle,
+    RADTEX_OT_choose_bake,
+    RADTEX_MT_bakes,
     RADTEX_OT_compare,
     RADTEX_OT_show_comparison,
     RADTEX_OT_export,

@@ -61,7 +61,32 @@ def compute_forecast(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) ->
     notes = scale_notes(view_layer, [scene.objects[name] for name in names], _PATIENCE)
     found = replace(found, warnings=(*found.warnings, *notes), flat=_flat(scene, left_out))
     own = tuple(name for name in names if own_settings(scene.objects.get(name)) is not None)
+    found = _with_named(scene, view_layer, groups, found)
     return replace(found, objects=names, busy=busy, shown=shown, not_baked=others, left_out=left_out, own=own)
+
+
+def _with_named(
+    scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer, groups: Sequence[BakedGroup], found: Forecast
+) -> Forecast:
+    """The forecast with the named bakes of the active object, or of the asset that it is part of."""
+    from ...core.errors import InputError
+    from ...preview.swap import original_of
+    from ..operators.bake_lookup import bake_location
+    from ..settings.chosen_bakes import bakes_by_name
+
+    active = view_layer.objects.active
+    item = None if active is None else original_of(active)
+    if item is None:
+        return found
+    assets = [group.values["atlas_name"] for group in groups if group.is_asset and item.name in group.names]
+    for name in (*assets, item.name):
+        try:
+            named = bakes_by_name(bake_location(scene, "", name), name)
+        except InputError:
+            continue
+        if named:
+            return replace(found, named=named, named_of=(item.name, name))
+    return found
 
 
 def _of_none(
@@ -174,9 +199,15 @@ def _of_group(scene: bpy.types.Scene, group: BakedGroup, patience: float) -> For
 def _made(chosen: Chosen, request: BakeRequest, times: int) -> tuple[Made, ...]:
     """The atlases that a request makes; each is baked so many `times`, such as once for each frame."""
     from ...forms import cost_of
+    from ...settings.bake_names import filled
 
     return tuple(
-        Made(name, choice.spec.texels, cost_of(choice.spec).disk * times, request.folder)
+        Made(
+            filled(choice.spec.bake_name, name),
+            choice.spec.texels,
+            cost_of(choice.spec).disk * times,
+            request.folder,
+        )
         for name, choice in chosen
         if name
     )

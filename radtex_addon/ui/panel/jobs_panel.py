@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import bpy
 
 from ...bake.bake_title import bake_title
+from ...settings.bake_names import OBJECT
 from ...settings.menu_items import KINDS, TARGETS
 from ..jobs import browser, job_files, jobs, pictures
 from ..jobs.job_files import Fate
@@ -121,7 +122,9 @@ def job_title(job: Job) -> str:
     """The job's title: that of the bake, and the work."""
     about = job.order.about
     kind = iface_(_KINDS[about]) if about in _KINDS else ""
-    name = bake_title(job.object, part=job.order.part, kind=kind, variant=job.order.variant)
+    name = bake_title(
+        job.order.called or job.object, part=job.order.part, kind=kind, variant=job.order.variant
+    )
     folders = set(job.order.facts.get("folders", ()))  # of a scene all bakes have the same
     if len(folders) > 1:
         name = iface_("{} bakes").format(len(folders))
@@ -207,6 +210,8 @@ def _ask_to_resume(button: Any, job: Job) -> None:
     spec = order.facts["spec"]
     if spec["density"] is None:  # those of a shared atlas, or of a scene's, are not the panel's
         button.texels = spec["texels"]
+    if spec["bake_name"] != OBJECT:  # of the settings as they were
+        button.bake_name = spec["bake_name"]
     if not order.shared:
         button.object = job.object
         return

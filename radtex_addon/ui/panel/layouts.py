@@ -37,19 +37,22 @@ def chosen_layouts(
     """
     from ...job import choose_layout
     from ...job.about_texels import with_about_texels
+    from ...job.bake_request import with_quality
+    from ...job.variants import named_in
     from ..settings.preferences import preferred
     from ..settings.request import has_folder, open_layout_of, output_folder, shared_name
 
     folder = output_folder(values["directory"], preferred().output) if has_folder(values) else None
     wish = open_layout_of(values)
     shared = shared_name(values, spec.kind)
+    spec = with_quality(spec, wish)
     bakes = [(name, spec) for name in names or ("",)]
     if shared is not None and len(names) > 1:
         bakes = [(shared, replace(spec, objects=tuple(names)))]
     since, found = monotonic(), []
     resume, overwrite = values["resume"], values["overwrite"]
     for bake in bakes:
-        sized = bake[0], with_about_texels(scene, *bake)
+        sized = bake[0], named_in(scene, with_about_texels(scene, *bake))
         choice = choose_layout(scene, sized, wish, folder, resume=resume, overwrite=overwrite)
         found.append((bake[0], choice))
         if monotonic() - since > patience:

@@ -11,12 +11,13 @@ from typing import TYPE_CHECKING, Any, cast
 
 import bpy
 
+from ...settings.presets import STOCK
 from ..operators.switch import LARGE
 from ..operators.texels_operator import is_on as texels_shown
 from ..settings.bake_settings import BakeSettings
 from ..settings.chosen_objects import chosen_by, nothing_chosen
 from ..settings.object_settings import edited_settings, owner_of
-from ..settings.presets import STOCK, RADTEX_PT_presets, is_applied
+from ..settings.presets import RADTEX_PT_presets, is_applied
 from ..settings.seen_version import news, news_title
 from .draw_messages import draw_remarks
 from .fitting import (

@@ -22,6 +22,7 @@ from .redraw import redraw
 if TYPE_CHECKING:
     from ...core.messages import Message
     from ...job.left_out import LeftOut
+    from ...report.finished_bake import NamedBake
     from ...settings.cost import Cost
     from ...settings.estimate import Basis
     from ...settings.spec import BakeSpec
@@ -63,7 +64,7 @@ class ShownCopy(NamedTuple):
 
 
 class Made(NamedTuple):
-    """An atlas that the bake makes: name, texels along a side, most bytes of all its images, and folder.
+    """An atlas that the bake makes: its name in files, texels a side, most bytes of all images, and folder.
 
     The bytes are those of all frames, lamps and parts that are baked of it.
     """
@@ -91,7 +92,9 @@ class Forecast:
     atlases, but for so many that were `unseen` for lack of time. `sizes` are lines on the size of each atlas,
     if that follows from a texel density. `not_baked` names selected objects that are no meshes, `left_out`
     meshes that cannot be baked where others can. `copies` are the chosen objects where all of them are
-    copies that show a bake; then there is nothing to bake.
+    copies that show a bake; then there is nothing to bake. `named` are the bakes of the active object, the
+    newest first, if any has a name of its own; `named_of` are that object and the atlas, or again the object,
+    that they are of.
     """
 
     objects: tuple[str, ...]
@@ -122,6 +125,8 @@ class Forecast:
     copies: tuple[ShownCopy, ...] = ()
     made: tuple[Made, ...] = ()
     unseen: int = 0
+    named: tuple[NamedBake, ...] = ()
+    named_of: tuple[str, str] = ("", "")
 
     @property
     def chosen(self) -> tuple[str, ...]:

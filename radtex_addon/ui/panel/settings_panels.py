@@ -8,6 +8,7 @@ from typing import Any, cast
 
 import bpy
 
+from ...settings.bake_names import OBJECT
 from ...settings.forms import FormTraits
 from ...settings.kinds import Kind, Layout, form_in
 from ...settings.option import Fold
@@ -27,7 +28,7 @@ _BY_HAND = frozenset(
         *("atlas_size", "uv_layer", "unwrap", "texel_weights", "backs", "padding"),
         *("together", "atlas_name", "split", "part"),
         *("source", "cage", "extrusion"),
-        *("directory", "accumulate", "refresh", "where"),
+        *("directory", "bake_name", "accumulate", "refresh", "where"),
         *("preview", "full_floats", "compression", "export_targets"),
     )
 )
@@ -98,8 +99,11 @@ class RADTEX_PT_output(_Folded, bpy.types.Panel):
     bl_label = Fold.OUTPUT.value
 
     def draw(self, context: bpy.types.Context | None) -> None:
-        layout, settings, _ = drawn(self, context)
+        layout, settings, found = drawn(self, context)
         draw_setting(layout, settings, "directory", text=iface_("Folder"))
+        draw_setting(layout, settings, "bake_name")
+        if settings.bake_name != OBJECT and found is not None and found.made:
+            draw_text(layout, iface_("That is {}").format(found.made[0].name), "INFO")
         form, kind = form_of(settings), Kind(settings.kind).traits
         if form.accumulates and kind.accumulates:
             column = headed(layout, iface_("Earlier Bake"), settings, ("accumulate", "refresh"))

@@ -11,6 +11,7 @@ import bpy
 
 from ...core.errors import InputError
 from ...job.assets import find_assets, read_shown, spec_of_asset
+from ...job.bake_request import with_quality
 from .bake_settings import BakeSettings
 from .object_settings import by_settings
 from .preferences import preferred
@@ -59,7 +60,7 @@ def _with_assets(
         yield BakedGroup(values, names)
         return
     try:
-        spec = spec_of(values)
+        spec = with_quality(spec_of(values), open_layout_of(values))
     except InputError:  # which the request's own checks report
         yield BakedGroup(values, names)
         return
@@ -68,7 +69,12 @@ def _with_assets(
     found = find_assets(scene, parts, spec, open_layout_of(values), folder, read_shown(scene))
     for asset in found:
         texels = spec_of_asset(scene, spec, asset).texels
-        of_asset = {"together": "one", "atlas_name": asset.name, "texels": texels}
+        of_asset = {
+            "together": "one",
+            "atlas_name": asset.name,
+            "texels": texels,
+            "bake_name": spec.bake_name,
+        }
         yield BakedGroup(values | of_asset, asset.objects, is_asset=True)
     inside = {name for asset in found for name in asset.objects}
     others = tuple(name for name in names if name not in inside)

@@ -17,10 +17,11 @@ from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
 
 from ...core.errors import InputError
 from ...settings.menu_items import DEVICES, TARGETS
+from ...settings.presets import STOCK
 from ...settings.targets import DEFAULT_TARGET
 from ..panel.labels import iface_
 from .bake_settings import NAMES
-from .presets import STOCK, apply_preset
+from .presets import apply_preset
 
 # "bl_ext.user_default.radtex" when installed as an extension.
 ADDON = __package__.rpartition(".radtex_addon")[0] or "radtex_addon"

@@ -7,9 +7,7 @@ A preset is a Python script that sets the scene's settings, like Blender's own p
 
 from __future__ import annotations
 
-import ast
 from collections.abc import Sequence
-from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -20,6 +18,7 @@ from bpy.props import StringProperty
 
 from ...core.errors import InputError
 from ...settings.options import SHOWN
+from ...settings.presets import STOCK, STOCK_FOLDER, SUBDIR, preset_values, stock_values
 from ..operators.undo import push_step
 from ..panel.labels import remark
 from .bake_settings import NAMES
@@ -28,22 +27,6 @@ from .object_settings import edited_settings
 
 if TYPE_CHECKING:
     from bpy.stub_internal.rna_enums import OperatorReturnItems
-
-SUBDIR = "radtex"
-_FOLDER = Path(__file__).with_name("stock")  # contains presets/radtex/*.py, as Blender expects
-
-# File name, label and tooltip: first by increasing cost, then by material.
-STOCK = (
-    ("draft", "Draft", "A first look in seconds: coarse, and noisy"),
-    ("preview", "Preview", "Good enough to judge the light"),
-    ("final", "Final", "Fine texels and little noise, for what ships"),
-    ("mirror_like", "Glossy", "Polished, coated and glassy things: sharp reflections"),
-    (
-        "diffuse_like",
-        "Matte",
-        "Plaster, cloth, raw wood: light that hardly changes with the view; small files",
-    ),
-)
 
 # Settings stored in a preset: quality, but no object, UV layer or folder.
 PRESET_NAMES = tuple(name for name, option in SHOWN.items() if option.preset)
@@ -61,7 +44,7 @@ class RADTEX_PT_presets(PresetPanel, bpy.types.Panel):
 
     def path_menu(self, searchpaths: Sequence[str], operator: str, **choices: Any) -> None:
         """Blender's menu, without RadTex's presets."""
-        others = [path for path in searchpaths if not Path(path).is_relative_to(_FOLDER)]
+        others = [path for path in searchpaths if not Path(path).is_relative_to(STOCK_FOLDER)]
         if not others:  # Blender shows '* Missing Paths *' for an empty list
             choices["filter_path"] = lambda _: False
         cast(Any, PresetPanel).path_menu(self, others or searchpaths, operator, **choices)
@@ -152,26 +135,10 @@ def _set(settings: Any, name: str, value: Any) -> bool:
     return True
 
 
-def preset_values(path: Path) -> dict[str, Any]:
-    """Settings and values in a preset's file: of its lines `radtex.NAME = VALUE`, as Blender writes them."""
-    module = ast.parse(path.read_text(encoding="utf-8"))
-    lines = (line for line in module.body if isinstance(line, ast.Assign))
-    return {
-        line.targets[0].attr: ast.literal_eval(line.value)
-        for line in lines
-        if isinstance(line.targets[0], ast.Attribute) and ast.unparse(line.targets[0].value) == "radtex"
-    }
-
-
 def is_applied(name: str, settings: Any) -> bool:
     """Whether all settings are as RadTex's preset `name` sets them."""
-    values = _stock_values(name)
+    values = stock_values(name)
     return all(getattr(settings, setting) == value for setting, value in values.items())
-
-
-@lru_cache
-def _stock_values(name: str) -> dict[str, Any]:
-    return preset_values(_FOLDER / "presets" / SUBDIR / f"{name}.py")
 
 
 def _found(name: str) -> Path:
@@ -186,9 +153,9 @@ def _found(name: str) -> Path:
 
 def register() -> None:
     """Add RadTex's presets to Blender's search path."""
-    bpy.utils.register_preset_path(str(_FOLDER))
+    bpy.utils.register_preset_path(str(STOCK_FOLDER))
 
 
 def unregister() -> None:
     """Remove them from the search path."""
-    bpy.utils.unregister_preset_path(str(_FOLDER))
+    bpy.utils.unregister_preset_path(str(STOCK_FOLDER))
