@@ -109,7 +109,11 @@ def _add_what(group: argparse._ArgumentGroup) -> None:
     group.add_argument(
         "bakes", nargs="*", metavar="DIR", help="the folder of a bake, or its sidecar's .json; or several"
     )
-    group.add_argument("--object", metavar="NAME", help="whose bake, if there are several in the folder")
+    group.add_argument(
+        "--object",
+        metavar="NAME",
+        help="whose bake, if there are several in the folder: the object, or what --name has called the bake",
+    )
     ordered = sorted(Target, key=lambda target: bool(target.traits.languages))  # what is ready to run first
     told = groupby(ordered, key=lambda target: target.traits.help)
     text = "; ".join(f"{', '.join(targets)}: {words}" for words, targets in told)

@@ -106,7 +106,11 @@ def build_parser(inside_blender: bool) -> Parser:
 
 def _add_what(group: argparse._ArgumentGroup, inside_blender: bool) -> None:
     group.add_argument("bake", nargs="?", metavar="DIR", help="the folder of a bake, or its sidecar's .json")
-    group.add_argument("--object", metavar="NAME", help="whose bake, if there are several in the folder")
+    group.add_argument(
+        "--object",
+        metavar="NAME",
+        help="whose bake, if there are several in the folder: the object, or what --name has called the bake",
+    )
     file = "left out: the file that Blender has open is" if inside_blender else "the .blend that was baked"
     group.add_argument("--scene", metavar="SCENE", help=f"{file}; or the word {DEMO}, for the demo's")
     group.add_argument(

@@ -29,6 +29,7 @@ from ..job import BakeResult
 from ..job.bake_plan import BakePlan, check_plans, steps_of_bakes
 from ..job.variants import title_of
 from ..preview.save import render_picture
+from ..settings.bake_names import filled
 from ..settings.spec import BakeSpec
 from ..settings.texel_density import told_density
 from ..store.bake_folder import FolderState
@@ -162,7 +163,7 @@ def _tell_progress(report: Report, title: str, whole: WholeProgress, step: Progr
 def _numbered_title(name: str, spec: BakeSpec, number: int, count: int) -> str:
     """The title of bake `number` (from 0) in a run of `count` bakes."""
     title = title_of(name, spec)
-    return title if title == name else f"{title} ({number + 1} of {count})"
+    return title if title == filled(spec.bake_name, name) else f"{title} ({number + 1} of {count})"
 
 
 def _check_thumbnail(path: Path | None) -> None:

@@ -119,7 +119,9 @@ def _comparison(facts: Facts, request: WorkRequest) -> CompareRequest:
     return CompareRequest(
         objects=facts.texts("objects"),
         bake=_path(facts, "bake") or Path("radtex"),
-        sidecars=tuple(Path(each) if each else None for each in facts.texts("sidecars")),
+        sidecars=tuple(Path(each) if each else None for each in facts.texts("sidecars"))
+        if "sidecars" in facts.values
+        else (),
         eye=Viewpoint.of_view(view, window),
         spec=ComparisonSpec(
             facts.whole_number("pixels", 1), facts.whole_number("samples", 1), facts.text("device")

@@ -48,15 +48,17 @@ def _is_of(file: SidecarFile, name: str) -> bool:
 def has_bakes(folder: Path, names: Iterable[str], blend: Path) -> bool:
     """Whether a folder has a bake of each of the objects, of any kind, none of another file than `blend`."""
     try:
-        found = [_newest(folder, name) for name in names] if folder.is_dir() else None
+        found = [_newest(folder, name) for name in names] if folder.is_dir() else [None]
     except RadTexError:
         return False
-    return found is not None and all(is_of_blend(sidecar, blend) for sidecar in found)
+    return all(sidecar is not None and is_of_blend(sidecar, blend) for sidecar in found)
 
 
-def _newest(folder: Path, name: str) -> Path:
+def _newest(folder: Path, name: str) -> Path | None:
     """The sidecar of a bake of the object, of several names the newest. Raises as `shown_bake` does."""
     found = named_bakes(folder, name)
+    if not found:
+        return None
     return shown_bake(folder, name, found[0].called if len(found) > 1 else "").path
 
 

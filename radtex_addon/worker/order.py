@@ -69,10 +69,10 @@ class Order:
     `part` the part of it, `variant` the frame or lamps, and `about` tells the job from others of the same
     object (kind, or export target). `shared` are the objects of a shared atlas. `folder` has the worker's own
     files; it is deleted with the last of its orders. `out` is the folder of the results. `blend` is the file
-    to open, if any; `facts` is the rest of the order, as JSON's types. `stages` are the stages
-    that the worker may report, in order, each with its fraction of the whole time, 0 for one that this order skips; `seconds` is how long all of it typically takes, and
-    `expected` of a bake what each stage takes and how sure that is. `remedy` is what to do if the worker ends
-    early.
+    to open, if any; `facts` is the rest of the order, as JSON's types. `stages` are the stages that the
+    worker may report, in order, each with its fraction of the whole time, 0 for one that this order skips;
+    `seconds` is how long all of it typically takes, and `expected` of a bake what each stage takes and how
+    sure that is. `remedy` is what to do if the worker ends early.
     """
 
     work: Work

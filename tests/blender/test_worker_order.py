@@ -89,6 +89,7 @@ SPECS = {
     "a frame": BakeSpec(frame=7, unwrap_at=1, device="cpu"),
     "objects in one atlas": BakeSpec(objects=("--Vase", "Cup"), device="cpu"),
     "a part": BakeSpec(split=Split.UDIM, uv_layer="Layer", part="1002", device="cpu"),
+    "a name of its own": BakeSpec(bake_name="--{object}.{{draft", device="cpu"),
     "some lamps": BakeSpec(lights=("Key, left", "-Fill"), device="cpu"),
     **{name: BakeSpec(device="cpu", **chosen) for name, chosen in MARKS.items()},
 }

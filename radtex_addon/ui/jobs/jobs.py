@@ -201,6 +201,7 @@ def submit(scene: bpy.types.Scene, plans: Sequence[BakePlan], names: Sequence[st
 
 def is_being_baked(name: str, settings: BakeSettings) -> bool:
     """Whether a bake of the object, of the kind, part and name that the settings ask for, waits or runs."""
+    from ...settings.bake_names import OBJECT
     from ...settings.kinds import is_default_kind
     from ...worker.order import Work
 
@@ -215,7 +216,9 @@ def is_being_baked(name: str, settings: BakeSettings) -> bool:
         and job.order.about == about
         and (not part or job.order.part == part)
     ]
-    return bool(found) and _pattern_of(settings) in [job.order.facts["spec"]["bake_name"] for job in found]
+    return bool(found) and _pattern_of(settings) in [
+        job.order.facts["spec"].get("bake_name", OBJECT) for job in found
+    ]
 
 
 def _pattern_of(settings: BakeSettings) -> str:

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 import bpy
 from bpy.props import BoolProperty, EnumProperty, StringProperty
 
-from ...scene.scratch import find_view_layer
 from ...settings.menu_items import LAYERS
 from ..panel.labels import remark
 from ..panel.panel_state import mark_stale
@@ -151,14 +150,14 @@ class RADTEX_OT_choose_bake(bpy.types.Operator):
         from ...preview.swap import switch_all_on
         from ...report.shown import shown_bake
 
-        scene, _ = shown(context)
+        scene, layer = shown(context)
         try:
             place = bake_location(scene, "", self.object)
             found = bakes_by_name(place, self.object)
             if self.called not in [one.called for one in found]:
                 names = ", ".join(f"'{one.called}'" for one in found) or "none with a name of its own"
                 raise InputError(f"{place} holds no bake '{self.called}' of '{self.object}': it has {names}")
-            if items := self._shown(scene):
+            if items := self._shown(scene, layer):
                 switch_all_on(items, shown_bake(place, self.object, self.called))
         except RadTexError as error:
             self.report({"ERROR"}, remark(error))
@@ -168,13 +167,12 @@ class RADTEX_OT_choose_bake(bpy.types.Operator):
         push_step(self.bl_label)
         return {"FINISHED"}
 
-    def _shown(self, scene: bpy.types.Scene) -> list[bpy.types.Object]:
+    def _shown(self, scene: bpy.types.Scene, layer: bpy.types.ViewLayer) -> list[bpy.types.Object]:
         """The objects of the bake in whose place one is shown."""
         from ...preview.swap import is_on
 
-        names = sharing(find_view_layer(scene, None), self.object, scene, "") or (self.object,)
-        there: list[bpy.types.Object | None] = [scene.objects.get(name) for name in names]
-        return [item for item in there if item is not None and is_on(item)]
+        names = sharing(layer, self.object, scene, "") or (self.object,)
+        return [item for item in layer.objects if item.name in names and is_on(item)]
 
 
 def _offer_shadings(context: bpy.types.Context) -> None:

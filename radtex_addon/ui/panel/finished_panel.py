@@ -105,6 +105,8 @@ def _draw_named(layout: Any, found: Forecast, scene: bpy.types.Scene, item: bpy.
     original = None if item is None else original_of(item)
     if not found.named or original is None or original.name != found.named_of[0]:
         return
+    if original.name not in found.objects:  # which the buttons are about
+        return
     chosen = chosen_bake(scene, found.named_of[1], found.named)
     column = layout.column(align=True)
     for one in found.named[:_NAMED]:
@@ -131,11 +133,11 @@ def _radio(is_on: bool) -> str:
 def nothing_is_baked(found: Forecast, item: bpy.types.Object | None) -> bool:
     """Whether no bake of the chosen objects is there, as far as is known, and none of `item` is shown.
 
-    One by another name than the settings have counts, too, where `item` is the only object.
+    Those of the active object by other names than the settings have count, too.
     """
     from ...preview.swap import is_on
 
-    if found.named and len(found.objects) == 1:
+    if found.named and found.named_of[0] in found.objects:
         return False
     shown = found.shown or (item is not None and is_on(item))
     return found.next is Next.BAKE and not found.finished and not found.unfinished and not shown

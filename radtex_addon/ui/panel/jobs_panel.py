@@ -210,8 +210,8 @@ def _ask_to_resume(button: Any, job: Job) -> None:
     spec = order.facts["spec"]
     if spec["density"] is None:  # those of a shared atlas, or of a scene's, are not the panel's
         button.texels = spec["texels"]
-    if spec["bake_name"] != OBJECT:  # of the settings as they were
-        button.bake_name = spec["bake_name"]
+    if (called := spec.get("bake_name", OBJECT)) != OBJECT:  # by the settings as they were
+        button.bake_name = called
     if not order.shared:
         button.object = job.object
         return
@@ -271,8 +271,15 @@ def _comparison_of(job: Job, others: Iterable[Job]) -> Job | None:
         and other.number > job.number
         and other.facts.get("psnr") is not None
         and job.object in other.object.split(", ")
+        and _is_with(other, job)
     ]
     return found[-1] if found and job.work == "bake" else None
+
+
+def _is_with(comparison: Job, bake: Job) -> bool:
+    """Whether a comparison of the object is with this bake of it, as far as is known."""
+    sidecars = {Path(path).name for path in comparison.order.facts.get("sidecars", ()) if path}
+    return not sidecars or any(path.name in sidecars for path in bake.files)
 
 
 def _draw_map(column: Any, job: Job, light: int) -> None:
