@@ -121,7 +121,11 @@ def _sidecars(request: ExportRequest) -> list[SidecarFile]:
     """The bakes that are meant; for a scene those of all objects in a folder, unless one is named."""
     if request.scene is not None and request.object is None:
         return [file for bake in request.bakes for file in find_bakes_of_all(bake, _DONE, tuple(Kind))]
-    return [file for bake in request.bakes for file in find_bakes(bake, request.object, _DONE, tuple(Kind))]
+    return [
+        file
+        for bake in request.bakes
+        for file in find_bakes(bake, request.object, _DONE, tuple(Kind), or_called=True)
+    ]
 
 
 def _export(

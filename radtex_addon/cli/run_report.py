@@ -22,7 +22,7 @@ def run_report(request: ReportRequest, report: Report, interruption: Interruptio
 
     QualityError: the mean of the views is below `min_psnr`.
     """
-    sidecar = find_bake(request.bake, request.object)
+    sidecar = find_bake(request.bake, request.object, or_called=True)
     sidecar = replace(sidecar, path=sidecar.path.absolute())  # a relative path is Blender's, of its own file
     name = object_of(sidecar)
     out = request.out or report_path(sidecar)

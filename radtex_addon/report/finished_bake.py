@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Collection, Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -118,14 +119,15 @@ def find_bake(
     object_name: str | None,
     purpose: str = "judged",
     kinds: Collection[str] = (DEFAULT_KIND,),
+    or_called: bool = False,
 ) -> SidecarFile:
     """The sidecar of a bake of one of the `kinds`: `place` itself, or the one in the folder `place`.
 
-    If there are several, `object_name` selects one, and a bake of radiance is preferred. Errors use `purpose`
-    as in "can be judged". Raises InputError if there is no bake, or more than one; FormatError for a file
-    that is no sidecar.
+    If there are several, `object_name` selects one, and a bake of radiance is preferred. `or_called` is as of
+    `find_bakes`. Errors use `purpose` as in "can be judged". Raises InputError if there is no bake, or more
+    than one; FormatError for a file that is no sidecar.
     """
-    found = find_bakes(place, object_name, purpose, kinds)
+    found = find_bakes(place, object_name, purpose, kinds, or_called=or_called)
     if len(found) > 1:
         names = ", ".join(file.path.name for file in found)
         raise InputError(f"{place} holds {names}: name one of these files instead of the folder")
@@ -138,18 +140,26 @@ def find_bakes(
     purpose: str,
     kinds: Collection[str] = (DEFAULT_KIND,),
     called: str = "",
+    or_called: bool = False,
 ) -> list[SidecarFile]:
     """Like `find_bake`, but if an object is split, the sidecars of all its parts that exist.
 
-    `called`: in a folder, only the bakes whose files are called so.
+    `called`: in a folder, only the bakes whose files are called so. `or_called`: where there is no bake of an
+    object of that name, `object_name` may be what a bake is called.
     """
     if not _is_folder(place):
         file = SidecarFile.read(place)
-        _check(file.path, _identity(file), object_name, purpose, kinds)
-        return [file]
-    files = _bakes_in(place)
+        files = {file.path: (file, _identity(file))}
+    else:
+        files = _bakes_in(place)
+    if or_called and all(identity.name != object_name for _, identity in files.values()):
+        named = {path: each for path, each in files.items() if each[1].called == object_name}
+        files, object_name = (named, None) if named else (files, object_name)
     if called:
         files = {path: each for path, each in files.items() if each[1].called == called} or files
+    if place in files:
+        _check(place, files[place][1], object_name, purpose, kinds)
+        return [files[place][0]]
     return _chosen(place, files, object_name, purpose, kinds)
 
 
@@ -175,13 +185,15 @@ def named_bakes(folder: Path, name: str) -> tuple[NamedBake, ...]:
     """
     found: list[tuple[Path, int, _Identity, str]] = []
     try:
-        for path in _json_files(folder):
+        paths = _json_files(folder)
+    except InputError:
+        return ()
+    for path in paths:
+        with suppress(OSError):  # it is gone meanwhile
             told = path.stat()
             known = _known(path, told.st_mtime_ns, told.st_size)
-            if known is not None and (name == known[0].name or name in known[0].objects):
+            if known is not None and known[0].is_of(name):
                 found.append((path, told.st_mtime_ns, *known))
-    except (InputError, OSError):
-        return ()
     groups: dict[tuple[str, str], list[tuple[Path, int, _Identity, str]]] = {}
     for one in [one for one in found if one[2].name == name] or found:
         groups.setdefault((one[2].name, one[2].called), []).append(one)
@@ -269,14 +281,10 @@ def _chosen(
 
 
 def _nearest(wanted: dict[Path, _Identity], name: str | None) -> dict[Path, _Identity]:
-    """Of bakes that may be meant by a name, those of the object so called, else those that are called so.
-
-    Of the object's, one that is called like it goes before others.
-    """
+    """Of bakes that a name may mean, the object's that is called like it, else all of the object."""
     own = {path: each for path, each in wanted.items() if each.name == name}
     plain = {path: each for path, each in own.items() if each.called == name}
-    called = {path: each for path, each in wanted.items() if each.called == name}
-    return plain or own or called or wanted
+    return plain or own or wanted
 
 
 def check_whole(sidecar: AnySidecar) -> None:
@@ -294,6 +302,11 @@ def check_whole(sidecar: AnySidecar) -> None:
 def object_of(sidecar: AnySidecar) -> str:
     """The object that a sidecar names. Raises FormatError."""
     return _identity(sidecar).name
+
+
+def is_bake_of(sidecar: AnySidecar, name: str) -> bool:
+    """Whether a bake is of the object or atlas `name`, and not only called so. Raises FormatError."""
+    return _identity(sidecar).is_of(name)
 
 
 def called_of(sidecar: AnySidecar) -> str:
@@ -338,8 +351,8 @@ class _Identity:
         return file_name(self.called, self.kind, "json", part=self.part)
 
     def is_of(self, name: str | None) -> bool:
-        """Whether the bake, its object or one of its objects has this name; True for None."""
-        return name is None or name in (self.name, self.called) or name in self.objects
+        """Whether the bake or one of its objects has this name; True for None."""
+        return name is None or name == self.name or name in self.objects
 
 
 def _json_files(folder: Path) -> list[Path]:

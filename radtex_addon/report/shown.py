@@ -17,7 +17,7 @@ from ..preview.variant import Variant, kept_variant, read_variant
 from ..settings.kinds import KINDS, Kind
 from ..settings.options import MARKED
 from ..store.ownership import is_of_blend
-from .finished_bake import find_bake, find_bakes, named_bakes
+from .finished_bake import find_bake, find_bakes, is_bake_of, named_bakes
 
 _UNSEEN = [kind for kind, traits in KINDS.items() if not traits.judged]
 
@@ -38,11 +38,8 @@ def shown_bake(place: Path, name: str, called: str = "") -> SidecarFile:
 
 
 def _is_of(file: SidecarFile, name: str) -> bool:
-    """Whether a bake is of the object `name`, and not only called so."""
-    if not called_in(file.facts):
-        return True
-    shared = file.facts.texts("objects") if "objects" in file.facts.values else ()
-    return name == file.facts.text("object") or name in shared
+    """Whether a bake is of the object `name`, and not only called so; one without a name of its own is."""
+    return not called_in(file.facts) or is_bake_of(file, name)
 
 
 def has_bakes(folder: Path, names: Iterable[str], blend: Path) -> bool:

@@ -20,10 +20,11 @@ import bpy
 
 from ..bake.bake_title import bake_title, variant_title
 from ..core.errors import FormatError, InputError
-from ..core.messages import Setting, do
+from ..core.messages import Remedy, Setting, do
 from ..formats.json_reader import Facts
 from ..formats.sidecar import blend_in, density_in, part_in, safe_name
 from ..formats.sidecar_file import read_facts
+from ..settings.bake_names import OBJECT
 from ..settings.options import MARKED
 from ..settings.quality import Quality
 from ..settings.spec import BakeSpec
@@ -135,7 +136,8 @@ def check_same_subject(name: str, spec: BakeSpec, files: OutputFiles) -> None:
     with suppress(FormatError):
         there = _Subject.in_facts(read_facts(files.sidecar))
         if not there.is_of_same(wanted):
-            raise InputError(f"{files.sidecar} is a bake of {there}, not of {wanted}", _RENAME, ELSEWHERE)
+            said = f"{files.sidecar} is a bake of {there}, not of {wanted}"
+            raise InputError(said, *_renames(spec), ELSEWHERE)
     _check_unfinished(files.unfinished, wanted, spec)
     if files.preview is None or not files.preview.exists():
         return
@@ -144,7 +146,14 @@ def check_same_subject(name: str, spec: BakeSpec, files: OutputFiles) -> None:
             other = wanted if facts is None else _Subject.in_facts(facts)
             if not other.is_of_same_object(wanted):
                 said = f"{files.preview} is the preview of {other} ({sidecar.name}), not of {wanted}"
-                raise InputError(said, _RENAME, ELSEWHERE)
+                raise InputError(said, *_renames(spec), ELSEWHERE)
+
+
+def _renames(spec: BakeSpec) -> tuple[Remedy, ...]:
+    """How to keep the bakes of two things apart in one folder."""
+    if spec.bake_name == OBJECT:
+        return (_RENAME,)
+    return _RENAME, do("call this one otherwise", Setting.BAKE_NAME)
 
 
 def reasons_to_ask(spec: BakeSpec, files: OutputFiles, overwrite: Overwrite) -> tuple[str, ...]:
@@ -209,7 +218,8 @@ def _check_unfinished(folder: Path, wanted: _Subject, spec: BakeSpec) -> None:
     }
     if differing := [name for name, value in asked.items() if key.facts.get(name, value) != value]:
         other = ", ".join(f"{name} {key.facts[name]}" for name in dict.fromkeys(("object", *differing)))
-        raise InputError(f"{folder} is of another bake ({other}), not of {wanted}", _RENAME, ELSEWHERE)
+        said = f"{folder} is of another bake ({other}), not of {wanted}"
+        raise InputError(said, *_renames(spec), ELSEWHERE)
 
 
 def is_of_spec(facts: Facts, name: str, spec: BakeSpec) -> bool:

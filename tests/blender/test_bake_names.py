@@ -192,7 +192,8 @@ def test_bakes_are_found_by_object_and_by_name(both: Path) -> None:
     with pytest.raises(InputError, match=r"Ball\.draft\.radiance\.json, Ball\.final\.radiance\.json: name"):
         find_bakes(both, NAME, "exported")
     for word in ("draft", "final"):
-        (found,) = find_bakes(both, f"Ball.{word}", "exported")
+        (found,) = find_bakes(both, f"Ball.{word}", "exported", or_called=True)
+        assert find_bakes(found.path, f"Ball.{word}", "exported", or_called=True) == [found]
         assert found.path.name == f"Ball.{word}.radiance.json"
         assert shown_bake(both, NAME, f"Ball.{word}").path == found.path
     assert has_bakes(both, [NAME], Path())
@@ -205,9 +206,19 @@ def test_bakes_are_found_by_object_and_by_name(both: Path) -> None:
 def test_a_bake_that_is_called_as_another_object_is_not_that_objects(both: Path) -> None:
     _rename(both, "Ball.draft", "Cup")
     assert shown_bake(both, NAME, "Cup").path.name == "Cup.radiance.json"
-    with pytest.raises(InputError, match="no bake of 'Vase'"):
-        shown_bake(both, "Vase")
+    with pytest.raises(InputError, match="no bake of 'Cup'"):
+        shown_bake(both, "Cup")
     assert named_bakes(both, "Cup") == ()
+    assert not has_bakes(both, ["Cup"], Path())
+    ball("Cup")
+    with registered():
+        settings().directory = str(both)
+        with pytest.raises(RuntimeError, match="no bake of 'Cup'"):
+            radtex.preview_toggle(object="Cup")
+        with pytest.raises(RuntimeError, match="no bake of 'Cup'"):
+            radtex.export(object="Cup", target="raw")
+    with pytest.raises(InputError, match=r"is a bake of object 'Ball', not of object 'Cup'.*call this one"):
+        bake_object(context.scene, "Cup", replace(DRAFT, bake_name="Cup"), both, overwrite=True)
 
 
 def _rename(folder: Path, called: str, other: str) -> None:

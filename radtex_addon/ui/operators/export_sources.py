@@ -96,13 +96,14 @@ def _sources_of(scene: bpy.types.Scene, name: str, bake: str) -> list[ExportSour
     from ...export.exporting import ExportSource
     from ...formats.sidecar import file_name
     from ...job.variants import variants_in
-    from ...report.finished_bake import find_bakes
+    from ...report.finished_bake import find_bakes, is_bake_of
     from ...settings.spec import Kind
 
     place, kind = bake_location(scene, bake, name), settings_for(scene, name).kind
     called = chosen_name(scene, place, name)
     chosen_kind = place / file_name(called or name, kind, "json")
     variants = variants_in(place, name, kind, called) if place.is_dir() else ()
-    place = chosen_kind if chosen_kind.is_file() else place
+    if chosen_kind.is_file() and is_bake_of(chosen_kind, name):
+        place = chosen_kind
     found = variants or find_bakes(place, name if place.is_dir() else None, "exported", tuple(Kind), called)
     return [ExportSource.of(file) for file in found]
