@@ -85,3 +85,20 @@ def test_a_copy_has_buttons_of_its_own(window: Window) -> None:
     window.click(*window.find("radtex.delete_copy("))
     wait_until(lambda: "Suzanne (baked copy)" not in window.value("room.seen()"), 10, "it is not deleted")
     assert not window.value("'Radiance Textures' in bpy.data.collections")
+
+
+def test_finished_bake_chooses_among_bakes_of_several_names(window: Window) -> None:
+    window.ask("room.select('Suzanne')")
+    for name, texels in (("draft", 16), ("final", 32)):
+        window.ask(f"bpy.context.scene.radtex.bake_name = '{{object}}.{name}'")
+        bake(window, **{**SHORT, "texels": texels})
+    window.ask("bpy.ops.radtex.preview_toggle(object='Suzanne', action='ON')")
+    assert "Suzanne.final (baked)" in window.value("room.seen()")
+    settle(window)
+    window.ask(QUADS.format("view3d.view_all"))
+    window.scroll(30)
+    window.shot("named")
+    window.click(*window.find('called="Suzanne.draft"'))
+    wait_until(lambda: "Suzanne.draft (baked)" in window.value("room.seen()"), 30, "it is not shown instead")
+    settle(window)
+    window.shot("named-other")
