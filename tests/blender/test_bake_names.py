@@ -25,6 +25,8 @@ from radtex_addon.job import bake_object
 from radtex_addon.job.bake_plan import check_plans, plan_bakes
 from radtex_addon.job.bake_request import BakeRequest
 from radtex_addon.job.baking import bake_steps
+from radtex_addon.job.layout_choice import OpenLayout
+from radtex_addon.job.scene_atlases import SceneAtlas, requests_of
 from radtex_addon.job.variants import title_of
 from radtex_addon.preview.swap import copy_of, is_on, shows_any_of
 from radtex_addon.report.finished_bake import find_bakes, named_bakes
@@ -168,6 +170,15 @@ def test_all_tokens_are_filled_in_before_the_bake(tmp_path: Path) -> None:
     called = OutputFiles.of(name, found, tmp_path).sidecar.name.removesuffix(".radiance.json")
     assert called.startswith("my room-My_Scene-")
     assert called.endswith("-Ball-custom-256-16")
+
+
+def test_atlases_of_a_scene_have_the_quality_of_its_settings(out: Path) -> None:
+    spec = BakeSpec(texels=256, samples=16, bake_name="{object}.{quality}.{resolution}")
+    request = BakeRequest(("A", "B", "C"), spec, out, open_layout=OpenLayout(), as_scene=True)
+    atlas = SceneAtlas("Room_group", ("A", "B"), 320, 1.0)
+    asked = [bake for each in requests_of(request, (atlas,)) for bake in each.asked(context.scene)]
+    names = [OutputFiles.of(*bake, out).sidecar.name for bake in asked]
+    assert names == ["Room_group.final.320.radiance.json", "C.final.256.radiance.json"]
 
 
 def test_two_objects_of_one_name_are_refused_before_anything_is_baked(out: Path) -> None:
@@ -478,14 +489,18 @@ def test_an_asset_has_bakes_of_several_names_too(panel: Path) -> None:
     bpy.ops.object.delete()
     stage.world()
     own = settings()
-    own.texels, own.samples = 8, 1
     for name, place in (("Foot", 0.0), ("Shade", 0.5)):
         bpy.ops.mesh.primitive_cube_add(size=0.5, location=(0, 0, place))
         context.object.name = name
     items = [context.scene.objects[name] for name in ("Foot", "Shade")]
     for item in items:
         item.select_set(True)
-    (asset,) = panel_state.refresh(context.scene, context.view_layer).assets
+    own.bake_name = "{object}.{quality}"
+    radtex.preset_apply(name="preview")
+    seen = panel_state.refresh(context.scene, context.view_layer)
+    (asset,) = seen.assets
+    assert [(one.name, one.texels) for one in seen.made] == [(f"{asset.name}.preview", 192)]
+    own.texels, own.samples = 8, 1
     for name in ("{object}.a", "{object}.b"):
         own.bake_name = name
         radtex.bake(wait=True)
