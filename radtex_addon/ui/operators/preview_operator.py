@@ -13,7 +13,7 @@ from ...settings.menu_items import LAYERS
 from ..panel.labels import remark
 from ..panel.panel_state import mark_stale
 from ..settings.chosen_bakes import bakes_by_name, choose
-from .bake_lookup import bake_called, bake_location, originals, sharing, sidecars_of
+from .bake_lookup import bake_called, bake_location, in_object_mode, originals, sharing, sidecars_of
 from .bake_operator import shown
 from .operator_mixins import OfBake
 from .switch import blind_line, blind_view, draw_shadings
@@ -144,6 +144,11 @@ class RADTEX_OT_choose_bake(bpy.types.Operator):
             description="What the bake's files are called, such as Vase.final",
             options={"SKIP_SAVE"},
         )
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context | None) -> bool:
+        """Whether Blender is in Object Mode, where a bake may be shown in the place of another."""
+        return in_object_mode(cls, context)
 
     def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
         from ...core.errors import InputError, RadTexError
