@@ -123,7 +123,8 @@ def _tell_of_bakes_there(plans: Sequence[BakePlan], report: Report) -> None:
     if not any(plan.wanted for plan in plans):
         state = "unchanged" if any(plan.found for plan in plans) else "finished"
         count = sum(len(plan.choices) for plan in plans)
-        report.event("note", message=f"all {count} bakes are {state}: nothing is left to do")
+        which = f"all {count} bakes are" if count > 1 else "the bake is"
+        report.event("note", message=f"{which} {state}: nothing is left to do")
     for skipped in (plan.skipped for plan in plans if plan.skipped):
         report.event("warning", **told(Message(skipped)))
 

@@ -18,6 +18,7 @@ from .scratch import find_view_layer
 from .surfaces import may_have_faces
 
 _VISIBILITY = frozenset(("hide_render", "hide_viewport"))
+_NAMED = 8  # objects that a message names at most
 
 
 def find_object(scene: bpy.types.Scene, name: str, view_layer: str | None = None) -> bpy.types.Object:
@@ -70,7 +71,9 @@ def _not_there(scene: bpy.types.Scene, name: str) -> str:
     if close:
         return f"no object '{name}' in scene '{scene.name}': did you mean {_listed(close)}?"
     if meshes:
-        return f"no object '{name}' in scene '{scene.name}': its meshes are {_listed(sorted(meshes)[:8])}"
+        more = f" and {len(meshes) - _NAMED} more" if len(meshes) > _NAMED else ""
+        told = f"{_listed(sorted(meshes)[:_NAMED])}{more}"
+        return f"no object '{name}' in scene '{scene.name}': its meshes are {told}"
     return f"no object '{name}' in scene '{scene.name}': it has no mesh at all"
 
 

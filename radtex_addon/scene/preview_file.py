@@ -161,7 +161,7 @@ def appended(
     with new_data_removed(keep):
         try:
             try:
-                with libraries.load(str(blend)) as (there, wanted):
+                with libraries.load(str(blend.absolute())) as (there, wanted):
                     there_are = [name for name in names if name in there.objects]
                     wanted.objects = list(there_are)
             except OSError as error:

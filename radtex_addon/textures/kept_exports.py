@@ -14,8 +14,8 @@ from typing import Any
 import bpy
 
 from ..core.errors import RadTexError
-from ..formats.json_reader import Facts
-from .export_spec import ExportSpec, export_spec_in
+from ..formats.json_reader import Facts, json_text
+from .export_spec import ExportSpec, export_facts, export_spec_in
 
 KEPT = "radtex_exports"  # the scene's property
 _log = logging.getLogger(__name__)
@@ -47,6 +47,16 @@ class KeptExport:
         sidecars = tuple(Path(bpy.path.abspath(line)) for line in row.get("sidecars", "").splitlines())
         out = Path(os.path.normpath(bpy.path.abspath(row.get("folder", ""))))
         return cls(name, sidecars, out, spec, row.get("scene_name") or None)
+
+    def row(self) -> dict[str, str]:
+        """The export as `of` reads it, with absolute paths."""
+        return {
+            "name": self.name,
+            "sidecars": "\n".join(str(path.absolute()) for path in self.sidecars),
+            "folder": str(self.out.absolute()),
+            "scene_name": self.scene or "",
+            "spec": json_text(export_facts(self.spec)),
+        }
 
     @property
     def key(self) -> tuple[object, ...]:

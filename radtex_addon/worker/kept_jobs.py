@@ -35,12 +35,20 @@ _WORTH = frozenset({JobState.WAITING, JobState.RUNNING, JobState.LEFT, JobState.
 _OLD = 30 * 24 * 3600.0  # seconds after which a list that nobody took over is deleted, with its folders
 
 
+class FollowUp(NamedTuple):
+    """What is to follow the jobs with these numbers once they have ended, in JSON's types."""
+
+    numbers: tuple[int, ...]
+    facts: dict[str, Any]
+
+
 class LeftList(NamedTuple):
-    """A list that an ended session left: its file, held by `lock`, and its jobs."""
+    """A list that an ended session left: its file, held by `lock`, its jobs, and what is to follow them."""
 
     path: Path
     lock: Lock
     jobs: tuple[Job, ...]
+    follow_ups: tuple[FollowUp, ...] = ()
 
     def remove(self) -> None:
         """Delete the file, once its jobs are on another list."""
@@ -57,10 +65,13 @@ class KeptJobs:
         self._lock: Lock | None = None
         self._written: list[tuple[int, JobState]] = []
 
-    def write(self, jobs: Iterable[Job], *, always: bool = False) -> None:
+    def write(
+        self, jobs: Iterable[Job], follow_ups: Iterable[FollowUp] = (), *, always: bool = False
+    ) -> None:
         """Write the list if a job's state is another, or `always`; without one that is worth it, delete it.
 
-        Where the system refuses, a warning is logged.
+        What follows jobs is written with them, and changes only when one of their states does. Where the
+        system refuses, a warning is logged.
         """
         kept = [job for job in jobs if job.work in _KEPT]
         if not any(job.state in _WORTH for job in kept):
@@ -75,7 +86,11 @@ class KeptJobs:
                 return
             self._path.parent.mkdir(parents=True, exist_ok=True)
             self._lock = self._lock or take_lock(_lock_of(self._path))
-            facts = {"made_by": self._made_by, "jobs": [_facts_of(job) for job in kept]}
+            facts = {
+                "made_by": self._made_by,
+                "jobs": [_facts_of(job) for job in kept],
+                "follow_ups": _follow_up_facts(kept, follow_ups),
+            }
             write_text(self._path, json_text(facts))
         except (OSError, RadTexError, HeldError) as error:
             log.warning("the list of bakes cannot be kept for the next start: %s", error)
@@ -106,11 +121,12 @@ def left_lists(folder: Path, made_by: str) -> Iterator[LeftList]:
             facts = Facts.parse(read_text(path), str(path), "list of jobs")
             can_go_on = facts.text("made_by") == made_by
             jobs = tuple(_left(job, can_go_on) for job in _jobs_in(facts))
+            follow_ups = _follow_ups_in(facts)
         except FormatError as error:
             log.warning("%s", error)
             found.remove()
             continue
-        yield found._replace(jobs=jobs)
+        yield found._replace(jobs=jobs, follow_ups=follow_ups)
 
 
 def kept_folders(folder: Path) -> set[Path]:
@@ -188,6 +204,24 @@ def _facts_of(job: Job) -> dict[str, Any]:
             "blend": None if order.blend is None else str(order.blend),
         },
     }
+
+
+def _follow_up_facts(jobs: Sequence[Job], follow_ups: Iterable[FollowUp]) -> list[dict[str, Any]]:
+    """The same in JSON's types, the jobs numbered from 1 as they are on the list."""
+    places = {job.number: place for place, job in enumerate(jobs, 1)}
+    return [
+        {"jobs": [places[number] for number in each.numbers if number in places], "facts": each.facts}
+        for each in follow_ups
+    ]
+
+
+def _follow_ups_in(facts: Facts) -> tuple[FollowUp, ...]:
+    """What follows the jobs of a list, these numbered from 1. Raises FormatError."""
+    try:
+        told = facts.values.get("follow_ups", [])
+        return tuple(FollowUp(tuple(map(int, each["jobs"])), dict(each["facts"])) for each in told)
+    except (KeyError, TypeError, ValueError) as error:
+        raise FormatError(f"{facts.source} is no list of jobs that RadTex wrote ({error!r})") from error
 
 
 def _jobs_in(facts: Facts) -> Sequence[Job]:

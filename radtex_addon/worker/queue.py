@@ -57,11 +57,12 @@ class Queue:
         self._entries.append(_Entry(Job(self._numbers, order)))
         return self._numbers
 
-    def adopt(self, jobs: Iterable[Job]) -> None:
-        """Add an ended session's jobs, which have ended or are LEFT; they get numbers of their own."""
-        for job in jobs:
-            self._numbers += 1
-            self._entries.append(_Entry(replace(job, number=self._numbers)))
+    def adopt(self, jobs: Iterable[Job]) -> list[int]:
+        """Add an ended session's jobs, which have ended or are LEFT; returns the numbers that they get."""
+        adopted = [replace(job, number=number) for number, job in enumerate(jobs, self._numbers + 1)]
+        self._entries += map(_Entry, adopted)
+        self._numbers += len(adopted)
+        return [job.number for job in adopted]
 
     def go_on(self, number: int) -> None:
         """Let a job that is LEFT wait for its turn."""

@@ -137,6 +137,8 @@ def test_only_what_has_changed_is_baked(blend: Path, out: Path, batch: Batch) ->
         ],
     )
     assert contents(out) == whole
+    one = batch(blend, "--object=Ball", "--changed", "--ignore-surroundings", *QUICK, "--out", out)
+    assert notes(one.err) == ["Ball: unchanged", "the bake is unchanged: nothing is left to do"]
     table: Any = bpy.data.materials["of Table"]
     table.node_tree.nodes["Diffuse BSDF"].inputs["Color"].default_value = (1, 0, 0, 1)
     bpy.data.objects["Table"].location.z -= 1

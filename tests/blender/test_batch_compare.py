@@ -105,6 +105,18 @@ def test_inside_blender_the_open_file_is_looked_at_by_a_view_of_ones_own(
     assert batch(*asked, inside_blender=True).code == 0, "earlier pictures are replaced"
 
 
+def test_the_folder_of_the_bakes_may_be_relative_to_where_the_program_runs(
+    room: Path, out: Path, batch: Batch, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As docs/compare.md writes it: `blender -b scene.blend -P bake.py -- compare … --bake baked`."""
+    monkeypatch.chdir(room.parent)
+    asked = ("compare", "--object=Ball", "--bake=baked", f"--out={out}", *QUICK, "--progress=none")
+    bpy.ops.wm.open_mainfile(filepath=str(room))
+    ended = batch(*asked, inside_blender=True)
+    assert (ended.code, ended.err) == (0, "")
+    assert (out / "Ball.difference.png").is_file()
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [

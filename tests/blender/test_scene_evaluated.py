@@ -251,6 +251,12 @@ def test_an_unknown_name_is_answered_with_close_ones(cube: Any) -> None:
         find_object(scene, "teapot")
     with pytest.raises(InputError, match=r"no object 'Zzz' in scene 'Scene': its meshes are 'Teapot'"):
         find_object(scene, "Zzz")
+    more = [bpy.data.objects.new(f"Vase {number}", cube.data) for number in range(9)]
+    for item in more:
+        scene.collection.objects.link(item)
+    with pytest.raises(InputError, match=r"its meshes are 'Teapot', .*, 'Vase 6' and 2 more$"):
+        find_object(scene, "Zzz")
+    bpy.data.batch_remove(more)
     bpy.data.objects.remove(cube)
     with pytest.raises(InputError, match=r"it has no mesh at all"):
         find_object(scene, "Teapot")

@@ -353,7 +353,7 @@ def test_what_is_missing_beside_own_settings_is_baked_alone(out: Path) -> None:
     for item in (cup, plate):
         item.select_set(True)
     assert ops.radtex.bake(object="Cup") == {"FINISHED"}
-    assert (seen().next, what_is_there(seen())) == (Next.RESUME, ["1 of 2 bakes are there"])
+    assert (seen().next, what_is_there(seen())) == (Next.RESUME, ["1 of 2 bakes is there"])
     before = written(out)
     assert ops.radtex.bake(resume=True) == {"FINISHED"}
     after = written(out)

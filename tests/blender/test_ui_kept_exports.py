@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import json
 import shutil
+import time
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -32,7 +33,7 @@ from radtex_addon.worker.job import Job
 from tests.blender import stage
 from tests.blender.batch_process import process
 from tests.blender.recorded_layout import RecordedLayout
-from tests.blender.ui_stage import context, finish_jobs, ops, preferences, registered, settings
+from tests.blender.ui_stage import PATIENCE, context, finish_jobs, ops, preferences, registered, settings
 
 BY_HAND = "made by hand"
 
@@ -194,6 +195,78 @@ def test_another_file_may_be_opened_while_it_bakes(game: Path) -> None:
     (job,) = exports_of(finish_jobs())
     assert job.state == "done"
     assert manifest(game) != before
+
+
+def test_a_bake_whose_object_was_renamed_is_exported_by_its_file_or_folder(game: Path, out: Path) -> None:
+    """As the button of its job does, which names the object as it was called."""
+    bpy.data.objects["Card"].name = "Other"
+    sidecar = out / "Card.radiance.json"
+    export("Card", game, bake=str(sidecar), again=False)
+    made = game / "Card.gltf" / "Card.glb"
+    before = made.read_bytes()
+    export("Card", game, bake=str(out), again=False, overwrite=True)
+    assert made.read_bytes() == before
+    with pytest.raises(RuntimeError, match="no bake of 'Nothing'"):
+        export("Nothing", game, bake=str(out))
+    with pytest.raises(RuntimeError, match="No object 'Card' in view layer"):
+        export("Card", game)
+
+
+@pytest.mark.parametrize("finished_is_shown", [True, False])
+def test_exports_follow_bakes_that_an_ended_blender_left(
+    game: Path, tmp_path: Path, *, finished_is_shown: bool
+) -> None:
+    """Of the bakes that were done before it ended, too, though they were taken off the list."""
+    for item in context.scene.objects:
+        item.select_set(True)
+    settings().together = "off"
+    choice = {"into": str(game), "as_scene": True, "scene_name": "Room", "again": True}
+    assert ops.radtex.export(target="gltf", **choice) == {"FINISHED"}
+    export("Card", game)
+    export("Tile", game)
+    before = manifest(game), manifest(game, "Tile")
+    shutil.rmtree(game / "Room.gltf")
+    jobs.take_over(tmp_path / "lists")
+    submit("Card", "Tile", texels=8)
+    until = time.monotonic() + PATIENCE
+    while jobs.snapshot()[0].state != "done":
+        assert time.monotonic() < until, jobs.snapshot()
+        jobs.advance()
+        time.sleep(0.05)
+    if not finished_is_shown:
+        jobs.forget_ended()
+    jobs.unregister()  # Blender ends
+    assert manifest(game) == before[0], "it waits for the other bake"
+    bpy.ops.wm.read_homefile(use_empty=True)
+    jobs.take_over(tmp_path / "lists")
+    assert [job.object for job in jobs.left()] == ["Tile"]
+    assert ops.radtex.go_on() == {"FINISHED"}
+    found = finish_jobs()
+    assert {job_title(job): str(job.state) for job in exports_of(found)} == {
+        "2 bakes for glTF": "done",
+        "Room for glTF": "done",
+    }
+    assert manifest(game) != before[0]
+    assert manifest(game, "Tile") != before[1]
+    assert (game / "Room.gltf" / "Room.glb").is_file()
+    assert not list((tmp_path / "lists").glob("*.json")), "nothing is left to be told"
+
+
+def test_a_left_bake_that_is_not_gone_on_with_does_not_hold_up_the_exports_of_others(
+    game: Path, tmp_path: Path
+) -> None:
+    """Each is exported once: with those that were gone on with at the same time."""
+    export("Card", game)
+    export("Tile", game)
+    jobs.take_over(tmp_path / "lists")
+    submit("Card", "Tile", texels=8)
+    jobs.unregister()
+    jobs.take_over(tmp_path / "lists")
+    card, tile = (job.number for job in jobs.left())
+    assert ops.radtex.go_on(number=card) == {"FINISHED"}
+    assert [job_title(job) for job in exports_of(finish_jobs())] == ["Card for glTF"]
+    assert ops.radtex.go_on(number=tile) == {"FINISHED"}
+    assert [job_title(job) for job in exports_of(finish_jobs())] == ["Card for glTF", "Tile for glTF"]
 
 
 def test_the_scene_keeps_one_export_of_a_bake_for_each_target(game: Path, tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any, get_type_hints
+from typing import Any, cast, get_type_hints
 
 import bpy
 import pytest
@@ -24,7 +24,7 @@ from radtex_addon.ui.panel import panel_state
 from radtex_addon.ui.panel.cost_panel import RADTEX_PT_cost, figures, told_basis, told_made
 from radtex_addon.ui.panel.draw_messages import draw_remarks
 from radtex_addon.ui.panel.labels import size
-from radtex_addon.ui.panel.main_panel import what_is_there
+from radtex_addon.ui.panel.main_panel import time_and_size, what_is_there
 from radtex_addon.ui.panel.panel_state import Forecast, Next
 from radtex_addon.ui.registration import CLASSES
 from radtex_addon.ui.settings.request import spec_of, values_of
@@ -72,6 +72,18 @@ def test_the_selected_meshes_are_baked_or_else_the_active_one() -> None:
     assert seen().objects == ("B",)
     context.view_layer.objects.active = lamp
     assert seen().objects == ()
+
+
+def test_where_nothing_is_chosen_no_size_is_told(tmp_path: Path) -> None:
+    settings().directory = str(tmp_path)
+    plane()
+    assert "at most" in time_and_size(seen())
+    context.object.select_set(False)
+    context.view_layer.objects.active = None
+    assert (seen().objects, time_and_size(seen())) == ((), "")
+    layout = RecordedLayout()
+    RADTEX_PT_cost.draw(cast(Any, SimpleNamespace(layout=layout)), context)
+    assert "Nothing is to be baked" in layout.texts
 
 
 def test_what_would_fail_is_said_in_place(tmp_path: Path) -> None:

@@ -203,8 +203,13 @@ def test_a_job_says_so_once_other_files_are_in_the_place_of_its_own(out: Path, t
     item.name = "Another"
     assert "radtex.preview_toggle" not in dict(drawn(1).buttons)
     assert "Open a.blend to preview it" in " ".join(drawn(1).texts)
-    item.name = "Card"
     save(tmp_path / "a.blend")
+    assert "radtex.preview_toggle" not in dict(drawn(1).buttons)
+    assert "No object is called 'Card' any more: give it that name again" in " ".join(drawn(1).texts)
+    assert "radtex.export" in dict(drawn(1).buttons)
+    with pytest.raises(RuntimeError, match="give the object that name again if you renamed it"):
+        ops.radtex.preview_toggle(**arguments | {"job": jobs.snapshot()[1].number})
+    item.name = "Card"
     arguments["job"] = jobs.snapshot()[1].number
     assert ops.radtex.bake(overwrite_any=True, samples=1) == {"FINISHED"}  # another process replaces that
     with pytest.raises(RuntimeError, match="he files of this job have been replaced by others since"):

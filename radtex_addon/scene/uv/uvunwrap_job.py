@@ -98,7 +98,7 @@ def pack(points: Floats, faces: Ints, owner: Ints, padding: int, size: int) -> S
     if atlas.page_count > 1:
         raise InputError(
             f"{size} texels are too few for the {atlas.chart_count} islands of this unwrap",
-            do(f"ask for at least {_enough(atlas, size)} texels"),
+            do(f"ask for at least {_enough(atlas, size)} texels", Setting.TEXELS),
             do("less padding"),
         )
     uv, owner = _of_triangles(atlas)

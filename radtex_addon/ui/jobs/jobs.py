@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from ...job.bake_plan import BakePlan
     from ...job.variants import Bake
     from ...worker.job import Job
-    from ...worker.kept_jobs import KeptJobs
+    from ...worker.kept_jobs import FollowUp, KeptJobs
     from ...worker.order import Order
     from ...worker.queue import Queue
     from ...worker.together import Together
@@ -61,9 +61,9 @@ class _Session:
     `queue` is None before the first job, so that enabling RadTex does not import the worker modules. `shown`
     is the last snapshot of the jobs; `completions` maps job numbers to completions, `begun` to the time when
     each began, on the monotonic clock, `scenes` those of bakes to what is remembered of their scene,
-    `repeats` those of bakes that have not ended to the exports that follow them, and `folded` those that were
-    folded or unfolded by hand to which of both. `untold` are the numbers of jobs that have ended while others
-    were left to do. `kept` is the list for the next session, None without a window.
+    `repeats` those of bakes that have not ended, or are left, to the exports that follow them, and `folded`
+    those that were folded or unfolded by hand to which of both. `untold` are the numbers of jobs that have
+    ended while others were left to do. `kept` is the list for the next session, None without a window.
     """
 
     queue: Queue | None = None
@@ -97,7 +97,16 @@ def take_over(folder: Path) -> None:
     atexit.register(_end_session)  # before the queue's own end, which would cancel all
     lists = list(left_lists(folder, made_by))
     for one in lists:
-        queue.adopt(one.jobs)
+        numbers = queue.adopt(one.jobs)
+        left_over = {
+            place: number
+            for place, (number, job) in enumerate(zip(numbers, one.jobs, strict=True), 1)
+            if job.state == "left"
+        }
+        for each in one.follow_ups:
+            repeats = RepeatedExports.of_facts(each.facts)
+            places = (place for place in each.numbers if place in left_over)
+            _session.repeats |= {left_over[place]: repeats for place in places}
     advance()
     for one in lists:
         one.remove()
@@ -151,7 +160,17 @@ def go_on(number: int | None = None) -> None:
 def _keep(*, always: bool = False) -> None:
     """Write the list for the next session, if it has changed."""
     if _session.kept is not None:
-        _session.kept.write(_session.shown, always=always)
+        _session.kept.write(_session.shown, _follow_ups(), always=always)
+
+
+def _follow_ups() -> list[FollowUp]:
+    """The exports that follow bakes which wait, run or are left, with the numbers of these."""
+    from ...worker.kept_jobs import FollowUp
+
+    numbers: dict[RepeatedExports, list[int]] = {}
+    for number, repeats in _session.repeats.items():
+        numbers.setdefault(repeats, []).append(number)
+    return [FollowUp(tuple(those), repeats.facts()) for repeats, those in numbers.items()]
 
 
 def submit(scene: bpy.types.Scene, plans: Sequence[BakePlan], names: Sequence[str] = ()) -> float:
@@ -350,6 +369,8 @@ def forget_ended(number: int | None = None) -> None:
         there = {job.number for job in _session.shown}
         for gone in _session.folded.keys() - there:
             del _session.folded[gone]
+        for gone in _session.repeats.keys() - there:
+            del _session.repeats[gone]
         for gone in _session.completions.keys() - there:
             _session.completions.pop(gone).clean_up()
         job_ends.forget(frozenset(there))
@@ -372,12 +393,12 @@ def advance() -> bool:
     for job in ended:
         job_files.note(job)
     look_at_files()
+    more = _export_again(ended) or more
     _keep()
     for job in ended:
         _remember(job, now)
         if job.state == "done" and job.number in _session.completions:
             _session.completions[job.number].arrived(job)
-    more = _export_again(ended) or more
     _session.untold |= {job.number for job in ended}
     if not more and _session.untold:
         untold = [job for job in _session.shown if job.number in _session.untold]
@@ -387,7 +408,7 @@ def advance() -> bool:
 
 
 def _export_again(ended: Iterable[Job]) -> bool:
-    """Queue the exports that follow bakes, once all that were asked for together have ended.
+    """Queue the exports that follow bakes, once all that were asked for together have ended or are left.
 
     If the last of them was cancelled, so are the exports. Returns whether there are any.
     """
@@ -395,19 +416,24 @@ def _export_again(ended: Iterable[Job]) -> bool:
     from ..settings.preferences import preferred
 
     assert _session.queue is not None  # its jobs have ended
-    orders: list[Order] = []
+    last: dict[RepeatedExports, Job] = {}
     for job in ended:
-        repeats = _session.repeats.pop(job.number, None)
-        if repeats is None:
-            continue
-        if job.state == "done":
-            repeats.note(job.object, job.files)
-        if job.state == "cancelled" or repeats in _session.repeats.values():
+        repeats = None if job.state == "left" else _session.repeats.pop(job.number, None)
+        if repeats is not None:
+            last[repeats] = job
+            if job.state == "done":
+                repeats.note(job.object, job.files)
+    active = {job.number for job in _session.shown if not job.ended}
+    orders: list[Order] = []
+    for repeats, job in last.items():
+        waits = any(each is repeats for number, each in _session.repeats.items() if number in active)
+        if waits or job.state == "cancelled":
             continue
         try:
             orders += repeats.orders(preferred().cache)
         except RadTexError as error:
             _log.warning("%s", error)
+        repeats.made.clear()  # what is left of these bakes exports its own
     for order in orders:
         _session.queue.add(order)
     if orders:

@@ -4,10 +4,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...textures.kept_exports import KeptExport, kept_exports, real
 
@@ -55,6 +55,18 @@ class RepeatedExports:
                 asked.add(sidecar)
         kept = tuple(export for export in every if export.is_of(asked))
         return cls(kept) if kept else None
+
+    @classmethod
+    def of_facts(cls, facts: Mapping[str, Any]) -> RepeatedExports:
+        """What `facts` told to an earlier session. Exports whose settings cannot be read are left out."""
+        kept = (KeptExport.of(row) for row in facts.get("kept", ()))
+        made = {Path(path): str(name) for path, name in facts.get("made", {}).items()}
+        return cls(tuple(each for each in kept if each is not None), made)
+
+    def facts(self) -> dict[str, Any]:
+        """The exports and the bakes that were made, in JSON's types, for a session after this one."""
+        made = {str(path): name for path, name in self.made.items()}
+        return {"kept": [each.row() for each in self.kept], "made": made}
 
     def note(self, name: str, files: Sequence[Path]) -> None:
         """A bake of the object `name` is done, and made these files."""

@@ -30,6 +30,7 @@ def originals(
     several have the name.
     """
     from ...core.errors import InputError
+    from ...core.messages import do
     from ...preview.swap import original_of
     from ...scene.objects import check_only_one
 
@@ -38,7 +39,11 @@ def originals(
         shared = () if scene is None else sharing(layer, name, scene, bake)
         chosen = [item for item in layer.objects if item.name in (shared or (name,))]
         if not chosen:
-            raise InputError(f"no object '{name}' in view layer '{layer.name}': name one that is there")
+            raise InputError(
+                f"no object '{name}' in view layer '{layer.name}'",
+                do("name one that is there"),
+                do("give the object that name again if you renamed it after its bake"),
+            )
     else:
         chosen = chosen_meshes(cast(bpy.types.Scene, layer.id_data), layer)
     if not chosen:

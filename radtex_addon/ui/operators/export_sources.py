@@ -34,14 +34,17 @@ def export_sources(
 ) -> list[ExportSource]:
     """The bakes of the object or shared atlas called `name`, or of all selected meshes, each once.
 
-    `bake` is their folder, or a sidecar; the scene's output folder if it is empty. Parts and variants are
-    bakes of their own. Raises RadTexError if one of the objects has no bake.
+    `bake` is their folder, or a sidecar; the scene's output folder if it is empty. Where it is given, the
+    object need not be there: it may have been renamed since. Parts and variants are bakes of their own.
+    Raises RadTexError if one of the objects has no bake.
     """
     from ...export.exporting import ExportSource
 
-    names = [item.name for item in originals(layer, name, scene, bake)]
-    if sharing(layer, name, scene, bake):
+    is_gone = bool(name and bake) and all(item.name != name for item in layer.objects)
+    if is_gone or sharing(layer, name, scene, bake):
         names = [name]
+    else:
+        names = [item.name for item in originals(layer, name, scene, bake)]
     assets = asset_bakes(scene, names, bake)
     found = [ExportSource.of(sidecar) for sidecar in dict.fromkeys(assets.values())]
     alone = (one for one in names if one not in assets)

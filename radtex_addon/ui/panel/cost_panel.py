@@ -42,6 +42,9 @@ class RADTEX_PT_cost(Sidebar, bpy.types.Panel):
             known = found is not None
             draw_text(layout, iface_("Not known for these settings" if known else "Working it out"))
             return
+        if not found.objects:
+            draw_text(layout, iface_("Nothing is to be baked"))
+            return
         for line in told_made(found):
             draw_text(layout, line, "BLANK1")
         if found.atlases > 1:

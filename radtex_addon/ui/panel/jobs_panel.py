@@ -313,12 +313,12 @@ def _offer_bake(column: Any, job: Job) -> None:
     buttons: list[Any] = []
     sidecar = str(next((path for path in job.files if path.suffix == ".json"), job.out))
     has_preview = any(path.name.endswith(".preview.blend") for path in job.files)
-    item: bpy.types.Object | None = bpy.data.objects.get((job.order.shared or (job.object,))[0])
-    is_missing = _is_of_other_file(job) and item is None
-    if has_preview and is_missing:
-        draw_text(column, iface_("Open {} to preview it").format(_file_of(job)), "INFO")
+    name = (job.order.shared or (job.object,))[0]
+    item: bpy.types.Object | None = bpy.data.objects.get(name)
+    if has_preview and item is None:
+        draw_text(column, _why_missing(job, name), "INFO")
     row = column.row(align=True)
-    if has_preview and not is_missing:
+    if has_preview and item is not None:
         small = draw_show(row) if job.order.variant else draw_small_switch(row, item, job.files)
         buttons += [small, draw_action(row, "radtex.compare", as_icon=True)]
     if has_preview:
@@ -329,6 +329,14 @@ def _offer_bake(column: Any, job: Job) -> None:
     for button in buttons:
         button.object, button.bake, button.job = job.object, sidecar, job.number
     draw_action(row, "radtex.open_folder", as_icon=True).directory = str(job.out)
+
+
+def _why_missing(job: Job, name: str) -> str:
+    """Why the bake's object `name` is not in the open file, and what to do to preview the bake."""
+    if _is_of_other_file(job):
+        return iface_("Open {} to preview it").format(_file_of(job))
+    told = iface_("No object is called '{}' any more: give it that name again to preview this bake")
+    return told.format(name)
 
 
 def _offer_comparison(column: Any, job: Job) -> None:

@@ -100,7 +100,7 @@ def draw_news(layout: Any) -> None:
 
 def time_and_size(found: Forecast) -> str:
     """What the bake takes, in one line: time, where it was estimated, and a GPU's memory at most."""
-    if found.cost is None:
+    if found.cost is None or not found.objects:
         return ""
     told = iface_("at most {}").format(size(found.cost.gpu))
     if found.atlases > 1:
@@ -135,14 +135,16 @@ def what_is_there(found: Forecast) -> list[str]:
     """What the files and jobs that are there mean for the next bake, a line each; no errors."""
     lines = []
     if found.busy:
-        several = len(found.objects) > 1
-        text = iface_("{} of {} objects are being baked").format(len(found.busy), len(found.objects))
-        lines.append(text if several else iface_("It is being baked"))
+        several, one = iface_("{} of {} objects are being baked"), iface_("{} of {} objects is being baked")
+        text = (one if len(found.busy) == 1 else several).format(len(found.busy), len(found.objects))
+        lines.append(text if len(found.objects) > 1 else iface_("It is being baked"))
     if found.next is Next.RESUME and found.unfinished:
-        text = iface_("{} of {} bakes are not finished").format(found.unfinished, found.bakes)
+        several, one = iface_("{} of {} bakes are not finished"), iface_("{} of {} bakes is not finished")
+        text = (one if found.unfinished == 1 else several).format(found.unfinished, found.bakes)
         lines.append(text if found.bakes > 1 else iface_("Its bake is not finished"))
     elif found.next is Next.RESUME:
-        lines.append(iface_("{} of {} bakes are there").format(found.finished, found.bakes))
+        several, one = iface_("{} of {} bakes are there"), iface_("{} of {} bakes is there")
+        lines.append((one if found.finished == 1 else several).format(found.finished, found.bakes))
     elif found.next is Next.REPLACE:
         lines.append(_replaced(found))
     return lines

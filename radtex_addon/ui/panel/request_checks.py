@@ -103,9 +103,7 @@ def scale_notes(
         notes.append(Message(f"{_first(mirrored)} {several}: baked as it looks, nothing needs to be applied"))
     if uneven:
         several = "have uneven scales" if len(uneven) > 1 else "has an uneven scale"
-        told = (
-            "baked as it looks, and new unwraps allow for it; a UV map of its own stretches its texels alike"
-        )
+        told = "baked as it looks, and new unwraps allow for that; in your own UV map texels are stretched"
         notes.append(Message(f"{_first(uneven)} {several}, not applied: {told}"))
     return tuple(notes)
 
