@@ -127,11 +127,14 @@ def test_showing_a_bake_moves_no_button(bake: str, shading: str, capfd: pytest.C
     assert main.texts == before[0]
     assert finished.texts == before[1]
     blind = shading == "SOLID"
-    assert " ".join(finished.texts).count("Solid shows no bake.") == blind
-    shadings = [text for text in finished.texts if text in ("Material Preview", "Rendered")]
+    assert " ".join(main.texts).count("Solid shows no bake.") == blind
+    shadings = [text for text in main.texts if text in ("Material Preview", "Rendered")]
     assert shadings == (["Material Preview", "Rendered"] if blind else [])
-    if blind:  # beside Preview, which is the first
-        assert finished.texts.index("Rendered") < finished.texts.index("Export…")
+    told = main.texts.index("It has a bake: that will be replaced")
+    below = main.texts[main.texts.index("Preview Bake") + 1 : told]
+    assert below[-2:-1] == ["Rendered"] * blind, (
+        "right below Preview Bake, but for the time that a bake takes"
+    )
     assert ("Shade the view by Material Preview or Rendered" in capfd.readouterr().out) == blind
 
 
@@ -147,7 +150,7 @@ def test_each_panel_is_about_its_own_view(bake: str, capfd: pytest.CaptureFixtur
     told = "Shade the view by Material Preview or Rendered"
     for area, blind in ((solid, True), (rendered, False), (other, False)):
         with context.temp_override(window=window, area=area):
-            assert ("Rendered" in drawn(RADTEX_PT_afterwards).texts) == blind
+            assert ("Rendered" in drawn(RADTEX_PT_bake).texts) == blind
             radtex.preview_toggle(action="ON")
         assert (told in capfd.readouterr().out) == blind
     rendered.spaces.active.shading.type = "WIREFRAME"
@@ -155,7 +158,7 @@ def test_each_panel_is_about_its_own_view(bake: str, capfd: pytest.CaptureFixtur
         radtex.preview_toggle(action="ON")
     assert told in capfd.readouterr().out
     with context.temp_override(window=window, area=rendered):
-        assert any("Wireframe shows" in text for text in drawn(RADTEX_PT_afterwards).texts)
+        assert any("Wireframe shows" in text for text in drawn(RADTEX_PT_bake).texts)
 
 
 def test_where_nothing_is_baked_the_panel_says_so(bake: str, tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ import json
 import re
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ import bpy
 import pytest
 
 from radtex_addon.core.errors import InputError
+from radtex_addon.core.messages import Message
 from radtex_addon.job.bake_plan import plan_bakes
 from radtex_addon.settings.bake_history import read_history
 from radtex_addon.settings.estimate import Basis
@@ -227,6 +229,33 @@ def test_the_list_has_what_runs_first_and_one_line_for_all_but_the_latest() -> N
     for unfolded in (True, False):
         assert ops.radtex.fold_job(number=first) == {"FINISHED"}
         assert drawn()[-1] == ("Card", unfolded)
+    ops.radtex.clear_jobs()
+
+
+def test_several_warnings_of_a_finished_job_are_one_line_until_it_is_clicked(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    plane()
+    jobs.submit(context.scene, [plan_bakes(context.scene, request_of(values_of(settings()), ("Card",)))])
+    finish_jobs()
+    (job,) = jobs.snapshot()
+    two = Message("this is noisy"), Message("that is empty")
+
+    def told(state: JobState, *warnings: Message) -> list[str]:
+        shown = replace(job, state=state, warnings=warnings)
+        monkeypatch.setattr(jobs._session, "shown", (shown,))
+        layout = RecordedLayout()
+        _draw_job(layout, shown)
+        return [text for text in layout.texts if "warnings" in text or "noisy" in text or "empty" in text]
+
+    assert told(JobState.DONE, *two) == ["2 warnings"]
+    assert told(JobState.DONE, two[0]) == ["This is noisy"]
+    assert told(JobState.RUNNING, *two) == ["This is noisy", "That is empty"]  # while it can be cancelled
+    assert ops.radtex.fold_warnings(number=job.number) == {"FINISHED"}
+    assert told(JobState.DONE, *two) == ["2 warnings", "This is noisy", "That is empty"]
+    assert ops.radtex.fold_warnings(number=job.number) == {"FINISHED"}
+    assert told(JobState.FAILED, *two) == ["2 warnings"]
+    monkeypatch.undo()
     ops.radtex.clear_jobs()
 
 

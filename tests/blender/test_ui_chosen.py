@@ -20,6 +20,7 @@ from radtex_addon.textures.export_spec import ExportSpec, Target
 from radtex_addon.ui.jobs import jobs
 from radtex_addon.ui.operators.export_sources import export_sources, place_for, submit
 from radtex_addon.ui.panel import panel_state
+from radtex_addon.ui.panel.cost_panel import RADTEX_PT_cost
 from radtex_addon.ui.panel.draw_messages import left_out_of
 from radtex_addon.ui.panel.finished_panel import RADTEX_PT_afterwards
 from radtex_addon.ui.panel.jobs_panel import job_title
@@ -309,6 +310,8 @@ def test_a_grey_button_has_its_reason_in_the_panel(state: Callable[[], object], 
     assert words in " ".join(" ".join(drawn(RADTEX_PT_bake).texts).split())
     if not seen().objects:
         assert drawn(RADTEX_PT_afterwards).texts[-1], "the buttons for finished bakes are grey, too"
+        costs = [*drawn(RADTEX_PT_bake).texts, *drawn(RADTEX_PT_cost).texts]
+        assert not any("t most" in text for text in costs), "nothing costs nothing"
 
 
 def test_presets_change_the_settings_that_the_panel_shows() -> None:

@@ -44,9 +44,11 @@ def _registered() -> Iterator[None]:
         yield
 
 
-def drawn(cls: Any) -> RecordedLayout:
+def drawn(*classes: Any) -> RecordedLayout:
+    """What panels, one below the other, or a menu draw."""
     layout = RecordedLayout()
-    cls.draw(SimpleNamespace(layout=layout), context)
+    for cls in classes:
+        cls.draw(SimpleNamespace(layout=layout), context)
     return layout
 
 
@@ -75,13 +77,28 @@ def test_what_comes_after_a_bake_is_called_alike(monkeypatch: pytest.MonkeyPatch
     found = Forecast((NAME,), next=Next.REPLACE, finished=1)
     for module in ("main_panel", "menus"):
         monkeypatch.setattr(f"radtex_addon.ui.panel.{module}.cached_forecast", lambda *_: found)
-    panel, menu, pie = map(drawn, (RADTEX_PT_afterwards, menus.RADTEX_MT_object, menus.RADTEX_MT_pie))
+    panel = drawn(RADTEX_PT_bake, RADTEX_PT_afterwards)
+    menu, pie = map(drawn, (menus.RADTEX_MT_object, menus.RADTEX_MT_pie))
     for layout in (panel, menu, pie):
         texts = dict(zip([name for name, _ in layout.buttons], layout.texts, strict=False))
         assert len([name for name, _ in layout.buttons if name == "radtex.preview_toggle"]) == 1
         for name in texts.keys() & ACTIONS.keys():
             assert ACTIONS[name][0][0] in layout.texts, name
     assert "Export…" in words(panel) & words(menu) & words(pie)
+
+
+@pytest.mark.parametrize("state", STATES)
+def test_a_bake_that_may_be_there_is_previewed_by_a_button_above_the_jobs(
+    state: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """So it is seen however many jobs there are, and however much they warn of."""
+    found = STATES[state][0]
+    monkeypatch.setattr("radtex_addon.ui.panel.main_panel.cached_forecast", lambda *_: found)
+    none = ("nothing is there", "a bake was begun", "it is baked now", "a copy", "copies")
+    assert drawn(RADTEX_PT_bake).texts.count("Preview Bake") == (state not in none)
+    finished = drawn(RADTEX_PT_afterwards).texts
+    assert "Preview Bake" not in finished
+    assert ("Nothing of it is baked yet" in finished) == (state in none[:3])
 
 
 def test_menus_before_the_panel_has_looked_say_the_plain_word() -> None:

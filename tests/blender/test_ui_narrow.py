@@ -23,7 +23,7 @@ from radtex_addon.ui.panel import fitting, panel_state
 from radtex_addon.ui.panel.cost_panel import RADTEX_PT_cost
 from radtex_addon.ui.panel.finished_panel import RADTEX_PT_afterwards
 from radtex_addon.ui.panel.jobs_panel import RADTEX_PT_jobs
-from radtex_addon.ui.panel.list_panel import RADTEX_PT_list, RADTEX_UL_listed
+from radtex_addon.ui.panel.list_panel import RADTEX_PT_list, RADTEX_UL_listed, buttons_below
 from radtex_addon.ui.panel.main_panel import RADTEX_PT_bake
 from radtex_addon.ui.panel.settings_panels import (
     RADTEX_PT_light,
@@ -59,7 +59,11 @@ def _registered(empty_file: None, tmp_path: Path) -> Iterator[None]:
 @pytest.fixture(params=WINDOWS, ids=lambda window: f"{window[0]}-{window[1]}")
 def room(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> float:
     """The width that a text may have, in a sidebar of some pixels at some UI scale."""
-    width, scale = request.param
+    return narrow(monkeypatch, *request.param)
+
+
+def narrow(monkeypatch: pytest.MonkeyPatch, width: int, scale: float) -> float:
+    """The same."""
     monkeypatch.setattr(fitting, "_scale", lambda: scale)
     monkeypatch.setattr(fitting, "bpy", SimpleNamespace(context=_Narrow(width)))
     return float(width / scale - MARGINS)
@@ -121,6 +125,32 @@ def test_what_is_said_of_objects_and_settings_fits(room: float) -> None:
     assert not too_wide(texts(forget=True), room), "before anything was worked out"
 
 
+def test_in_the_narrowest_sidebar_the_buttons_to_press_have_whole_words(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    narrow(monkeypatch, 165, 1.5)
+    cabinets(1)
+    names = (context.object.name,)
+    found = panel_state.Forecast(names, next=panel_state.Next.REPLACE, finished=1)
+    monkeypatch.setattr("radtex_addon.ui.panel.main_panel.cached_forecast", lambda *_: found)
+    layout: Any = RecordedLayout()
+    panel: Any = SimpleNamespace(layout=layout)
+    (area,) = [one for one in context.window_manager.windows[0].screen.areas if one.type == "VIEW_3D"]
+    area.spaces.active.shading.type = "SOLID"
+    with context.temp_override(window=context.window_manager.windows[0], area=area):
+        RADTEX_PT_bake.draw(panel, context)
+    for word in ("Scene's", "Again", "Scene…"):
+        assert word in layout.texts, layout.texts
+    assert layout.texts.count("Preview") == 2, "the preset and the button"
+    assert layout.texts.count("") >= 2, "icons alone for the shadings"
+    assert "replaced" in layout.texts, "a whole word, without the icon for which it would be broken"
+    several = panel_state.Forecast(("Cup", "Plate"), next=panel_state.Next.BAKE)
+    monkeypatch.setattr("radtex_addon.ui.panel.main_panel.cached_forecast", lambda *_: several)
+    panel.layout = layout = RecordedLayout()
+    RADTEX_PT_bake.draw(panel, context)
+    assert layout.texts[0] == "2", "where 2 objects has no room"
+
+
 def test_jobs_fit_whatever_becomes_of_them(
     room: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -165,6 +195,8 @@ def test_names_in_the_bake_list_fit_and_keep_their_numbers(room: float) -> None:
         listed: Any = SimpleNamespace(layout=layout)
         RADTEX_UL_listed.draw_item(listed, context, layout, chosen, item, 0, chosen, "active")
     assert [text[-1] for text in layout.texts] == ["0", "1"]
-    beside = 4 * fitting.BUTTON - 12  # the box to tick, the pin, and the buttons beside the list
+    # The box to tick, the pin, and the buttons where they are beside the list.
+    beside = (3 if buttons_below() else 4) * fitting.BUTTON - 12
+    assert buttons_below() == (room < 120)
     assert not too_wide(layout.texts, room - beside)
     assert not too_wide(texts(), room)

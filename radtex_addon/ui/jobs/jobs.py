@@ -62,8 +62,9 @@ class _Session:
     is the last snapshot of the jobs; `completions` maps job numbers to completions, `begun` to the time when
     each began, on the monotonic clock, `scenes` those of bakes to what is remembered of their scene,
     `repeats` those of bakes that have not ended, or are left, to the exports that follow them, and `folded`
-    those that were folded or unfolded by hand to which of both. `untold` are the numbers of jobs that have
-    ended while others were left to do. `kept` is the list for the next session, None without a window.
+    those that were folded or unfolded by hand to which of both; `warned` are the numbers of ended jobs whose
+    warnings are unfolded. `untold` are the numbers of jobs that have ended while others were left to do.
+    `kept` is the list for the next session, None without a window.
     """
 
     queue: Queue | None = None
@@ -73,6 +74,7 @@ class _Session:
     completions: dict[int, Completion] = field(default_factory=dict)
     repeats: dict[int, RepeatedExports] = field(default_factory=dict)
     folded: dict[int, bool] = field(default_factory=dict)
+    warned: set[int] = field(default_factory=set)
     untold: set[int] = field(default_factory=set)
     kept: KeptJobs | None = None
 
@@ -336,6 +338,16 @@ def fold(number: int) -> None:
             _session.folded[number] = not is_folded(job)
 
 
+def hides_warnings(job: Job) -> bool:
+    """Whether the panel is to count the job's warnings in one line: several of one that has ended."""
+    return job.ended and len(job.warnings) > 1 and job.number not in _session.warned
+
+
+def fold_warnings(number: int) -> None:
+    """Show the warnings of the ended job with this number, or their count alone."""
+    _session.warned ^= {number}
+
+
 def together() -> Together | None:
     """The bakes that were asked for together with the one that runs; None if there is no other."""
     from ...worker.together import together_of
@@ -371,6 +383,7 @@ def forget_ended(number: int | None = None) -> None:
             del _session.folded[gone]
         for gone in _session.repeats.keys() - there:
             del _session.repeats[gone]
+        _session.warned &= there
         for gone in _session.completions.keys() - there:
             _session.completions.pop(gone).clean_up()
         job_ends.forget(frozenset(there))
@@ -469,6 +482,7 @@ def unregister() -> None:
     _session.scenes.clear()
     _session.repeats.clear()
     _session.folded.clear()
+    _session.warned.clear()
     _session.untold.clear()
     job_files.unregister()
     pictures.unregister()

@@ -305,6 +305,19 @@ class RADTEX_OT_fold_map(OfJob, bpy.types.Operator):
         return {"FINISHED"}
 
 
+class RADTEX_OT_fold_warnings(OfJob, bpy.types.Operator):
+    """Show what the job warned of, or hide it"""
+
+    bl_idname = "radtex.fold_warnings"
+    bl_label = "Warnings"
+    bl_options = {"INTERNAL"}
+
+    def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
+        jobs.fold_warnings(self.number)
+        redraw()
+        return {"FINISHED"}
+
+
 class RADTEX_OT_open_folder(bpy.types.Operator):
     """Show the folder in your file manager"""
 

@@ -4,11 +4,12 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any, TypeGuard
 
 import bpy
 
-from ..panel.fitting import draw_button, draw_text, side_by_side
+from ..panel.fitting import ICON, draw_button, draw_text, side_by_side, sidebar_room, text_width
 from ..panel.labels import iface_
 
 if TYPE_CHECKING:
@@ -18,7 +19,8 @@ if TYPE_CHECKING:
 _PREVIEW = "radtex.preview_toggle"
 LARGE = 1.5  # height of the button for the next step, relative to a normal button
 _BLIND = ("WIREFRAME", "SOLID")  # viewport shadings that do not show materials
-_SEEING = (("MATERIAL", "Material Preview"), ("RENDERED", "Rendered"))
+# Shadings, and texts of which the first one is drawn that fits.
+_SEEING = (("MATERIAL", "Material Preview", "Material"), ("RENDERED", "Rendered"))
 
 
 def draw_switch(layout: Any, item: bpy.types.Object | None, *, large: bool = True) -> None:
@@ -33,7 +35,7 @@ def draw_switch(layout: Any, item: bpy.types.Object | None, *, large: bool = Tru
         row = layout.row()
         row.scale_y = LARGE
         texts = iface_("Preview Bake"), iface_("Preview")
-        switch = draw_button(row, _PREVIEW, _icon(pressed), *texts, depress=pressed)
+        switch = draw_button(row, _PREVIEW, _icon(pressed), *texts, boxed=False, depress=pressed)
     else:
         switch = layout.operator(_PREVIEW, icon=_icon(pressed), depress=pressed)
     switch.action, switch.offer = "TOGGLE", not large
@@ -110,13 +112,14 @@ def draw_shading(layout: Any, space: bpy.types.Space | None) -> None:
     """Draw buttons for the shadings that show a bake, if that of the view does not."""
     if not is_blind(space):
         return
-    draw_text(layout, blind_line(space), "INFO")
-    row, _ = side_by_side(layout, [iface_(name) for _, name in _SEEING])
+    draw_text(layout, blind_line(space), "INFO", boxed=False)
+    row, share = side_by_side(layout, [iface_(texts[0]) for _, *texts in _SEEING])
     row.use_property_split = False
-    draw_shadings(row, space)
+    draw_shadings(row, space, sidebar_room(boxed=False) * share - ICON)
 
 
-def draw_shadings(layout: Any, space: bpy.types.SpaceView3D) -> None:
-    """Draw the two buttons alone."""
-    for shading, name in _SEEING:
-        layout.prop_enum(space.shading, "type", shading, text=iface_(name), translate=False)
+def draw_shadings(layout: Any, space: bpy.types.SpaceView3D, room: float = math.inf) -> None:
+    """Draw the two buttons alone, with texts that fit into `room`, or with icons where none does."""
+    for shading, *texts in _SEEING:
+        text = next((text for text in map(iface_, texts) if text_width(text) <= room), "")
+        layout.prop_enum(space.shading, "type", shading, text=text, translate=False)

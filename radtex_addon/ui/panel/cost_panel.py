@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any
 import bpy
 
 from ..jobs import estimates
+from ..settings.chosen_objects import nothing_chosen
 from .fitting import draw_button, draw_text, fits_beside, fitting, sidebar_room
-from .labels import duration, expected_range, iface_, number, remark, size
+from .labels import capitalized, duration, expected_range, iface_, number, remark, size
 from .main_panel import Sidebar, drawn
 
 if TYPE_CHECKING:
@@ -38,17 +39,19 @@ class RADTEX_PT_cost(Sidebar, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context | None) -> None:
         layout, _, found = drawn(self, context)
-        if found is None or found.cost is None:
-            known = found is not None
-            draw_text(layout, iface_("Not known for these settings" if known else "Working it out"))
+        if found is None:
+            draw_text(layout, iface_("Working it out"))
             return
-        if not found.objects:
-            draw_text(layout, iface_("Nothing is to be baked"))
+        if not found.objects and context is not None and context.scene is not None:
+            draw_text(layout, capitalized(iface_(nothing_chosen(context.scene))), "INFO")
+            return
+        if found.cost is None:
+            draw_text(layout, iface_("Not known for these settings"))
             return
         for line in told_made(found):
-            draw_text(layout, line, "BLANK1")
+            draw_text(layout, line, boxed=False)
         if found.atlases > 1:
-            draw_text(layout, iface_("For each object, at most:"))
+            draw_text(layout, iface_("For each object, at most:"), boxed=False)
         shown = figures(found.cost)
         if found.range is not None:
             shown.append((iface_("Time, all"), expected_range(found.range)))
@@ -56,7 +59,7 @@ class RADTEX_PT_cost(Sidebar, bpy.types.Panel):
         for label, value in shown:
             _draw_figure(layout, label, value, beside)
         if found.range is not None and found.basis is not None:
-            draw_text(layout, told_basis(found.basis))
+            draw_text(layout, told_basis(found.basis), boxed=False)
         _draw_button(layout)
         if failed := estimates.message():
             draw_text(layout, remark(failed), "ERROR")
@@ -128,7 +131,7 @@ def figures(cost: Cost) -> list[tuple[str, str]]:
 def _draw_figure(layout: Any, label: str, value: str, beside: bool) -> None:
     """Draw a value beside its name, or both in one text."""
     if not beside:
-        draw_text(layout, f"{label}: {value}")
+        draw_text(layout, f"{label}: {value}", boxed=False)
         return
     split = layout.split(factor=0.4)
     name = split.row()

@@ -74,9 +74,9 @@ def _draw_offers(box: Any, scene: bpy.types.Scene, message: Message, found: Fore
             if preferences is not None and offer.name == "memory_mb":
                 draw_memory(box, preferences)
             elif preferences is not None:
-                draw_setting(box, preferences, offer.name)
+                draw_setting(box, preferences, offer.name, boxed=True)
         elif offer.text:
             button = draw_button(box, "radtex.apply_remedy", "NONE", offer.text)
             button.object, button.name, button.value = found.objects[0], offer.name, offer.value
         elif not (offer.name == "directory" and found.needs_folder):  # which is drawn below
-            draw_setting(box, settings, offer.name)
+            draw_setting(box, settings, offer.name, boxed=True)

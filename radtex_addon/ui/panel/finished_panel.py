@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Panel for finished bakes: show, compare, export.
+"""Panel for finished bakes: copy, compare, export. The button that shows them is in the main panel.
 
 What is there only while a bake is shown is drawn last, so that showing one moves no button.
 """
@@ -15,14 +15,14 @@ import bpy
 from ..operators.compare_operator import RADTEX_OT_compare, RADTEX_OT_show_comparison
 from ..operators.export_operator import RADTEX_OT_export
 from ..operators.preview_operator import RADTEX_OT_choose_bake, RADTEX_OT_preview_toggle
-from ..operators.switch import draw_layers, draw_shading, draw_switch
+from ..operators.switch import draw_layers
 from ..settings.chosen_bakes import chosen_bake
 from ..settings.chosen_objects import nothing_chosen
 from .fitting import draw_button, draw_text
 from .labels import capitalized, iface_
-from .main_panel import Sidebar, drawn
+from .main_panel import Sidebar, drawn, may_be_shown
 from .next_buttons import draw_action
-from .panel_state import Forecast, Next, cached_forecast
+from .panel_state import Forecast, cached_forecast
 
 if TYPE_CHECKING:
     from ...report.finished_bake import NamedBake
@@ -54,26 +54,24 @@ class RADTEX_PT_afterwards(Sidebar, bpy.types.Panel):
         found = drawn(self, context)[2]
         layout.use_property_split = False
         item, scene = (context.active_object, context.scene) if context is not None else (None, None)
-        nothing = found is not None and nothing_is_baked(found, item)
         if found is not None and found.copies:
-            draw_text(layout, iface_("These are for the bake's object: select the original"), "INFO")
+            draw_text(
+                layout, iface_("These are for the bake's object: select the original"), "INFO", boxed=False
+            )
         if found is not None and scene is not None:
             _draw_named(layout, found, scene, item)
         whole = layout.column()
-        whole.enabled = there = found is not None and bool(found.objects) and not nothing
-        draw_switch(whole, item)
-        if context is not None and there:
-            draw_shading(whole, context.space_data)
+        whole.enabled = there = found is not None and may_be_shown(found, item)
         column = whole.column()
         for name, icon, *texts in _MENUS:
-            draw_button(column, name, icon, *map(iface_, texts), menu="shader")
+            draw_button(column, name, icon, *map(iface_, texts), menu="shader", boxed=False)
         for operator in _AFTERWARDS:
-            draw_action(column, operator, fit=True)
+            draw_action(column, operator, fit=True, boxed=False)
         draw_layers(whole, item)
-        if nothing:
-            draw_text(layout, iface_("Nothing of it is baked yet"), "INFO")
+        if found is not None and found.objects and not there:
+            draw_text(layout, iface_("Nothing of it is baked yet"), "INFO", boxed=False)
         elif found is not None and not (found.objects or found.copies) and scene is not None:
-            draw_text(layout, capitalized(iface_(nothing_chosen(scene))), "INFO")
+            draw_text(layout, capitalized(iface_(nothing_chosen(scene))), "INFO", boxed=False)
 
 
 class RADTEX_MT_bakes(bpy.types.Menu):
@@ -111,12 +109,14 @@ def _draw_named(layout: Any, found: Forecast, scene: bpy.types.Scene, item: bpy.
     column = layout.column(align=True)
     for one in found.named[:_NAMED]:
         texts, is_chosen = told_named(one), one is chosen
-        button = draw_button(column, "radtex.choose_bake", _radio(is_chosen), *texts, depress=is_chosen)
+        button = draw_button(
+            column, "radtex.choose_bake", _radio(is_chosen), *texts, depress=is_chosen, boxed=False
+        )
         button.object, button.called = found.named_of[1], one.called
     if others := found.named[_NAMED:]:
         column.menu("RADTEX_MT_bakes", text=iface_("and {} more").format(len(others)), translate=False)
     if chosen in others:
-        draw_text(layout, iface_("{} is chosen").format(chosen.called), "RADIOBUT_ON")
+        draw_text(layout, iface_("{} is chosen").format(chosen.called), "RADIOBUT_ON", boxed=False)
 
 
 def told_named(bake: NamedBake) -> tuple[str, ...]:
@@ -128,19 +128,6 @@ def told_named(bake: NamedBake) -> tuple[str, ...]:
 
 def _radio(is_on: bool) -> str:
     return "RADIOBUT_ON" if is_on else "RADIOBUT_OFF"
-
-
-def nothing_is_baked(found: Forecast, item: bpy.types.Object | None) -> bool:
-    """Whether no bake of the chosen objects is there, as far as is known, and none of `item` is shown.
-
-    Those of the active object by other names than the settings have count, too.
-    """
-    from ...preview.swap import is_on
-
-    if found.named and found.named_of[0] in found.objects:
-        return False
-    shown = found.shown or (item is not None and is_on(item))
-    return found.next is Next.BAKE and not found.finished and not found.unfinished and not shown
 
 
 CLASSES = (

@@ -20,6 +20,7 @@ ICON = 24.0  # an icon before a text
 BUTTON = 21.0  # a square button with an icon alone
 _UI_FONT = 0
 _MARGINS = 68.0  # of the sidebar's width that no text in a box can use: tabs, the panel's margins, the box's
+_BOX = 14.0  # of these, the box's
 _LEAST = 24.0  # a few letters, however narrow the sidebar is
 _WITHOUT_REGION = 300.0  # the sidebar's width where there is none, as in tests
 _LABELS_SHARE = 0.4  # of a setting's row, as Blender splits it
@@ -30,11 +31,12 @@ _NUMBER = 40.0  # a field for a number needs as much
 _SEPARATORS = "/\\_-.,:"  # after which a long word is broken
 
 
-def sidebar_room(*, icon: bool = False, buttons: int = 0) -> float:
-    """The width of a line in the sidebar, beside an icon and some square buttons if there are any."""
+def sidebar_room(*, icon: bool = False, buttons: int = 0, boxed: bool = True) -> float:
+    """The width of a line in the sidebar, in a box or not, beside an icon and some square buttons if any."""
     region = bpy.context.region
     width = region.width / _scale() if region is not None and region.width > 1 else _WITHOUT_REGION
-    return max(_LEAST, width - _MARGINS - (ICON if icon else 0) - BUTTON * buttons)
+    margins = _MARGINS - (0 if boxed else _BOX)
+    return max(_LEAST, width - margins - (ICON if icon else 0) - BUTTON * buttons)
 
 
 def text_width(text: str) -> float:
@@ -91,15 +93,17 @@ def draw_button(
     buttons: int = 0,
     share: float = 1.0,
     menu: str = "",
+    boxed: bool = True,
     **options: Any,
 ) -> Any:
     """Draw a button with the first of the texts that fits; returns its operator's properties.
 
-    It has a `share` of the sidebar's width, less some square `buttons` beside it; in a very narrow one it has
-    no icon. With `menu`, a property of the operator, it opens the menu of that. `options` are Blender's.
+    It has a `share` of the sidebar's width, less some square `buttons` beside it; where that is too narrow
+    for an icon and a text, it has no icon. Those that are not `boxed` have a box's margins more. With `menu`,
+    a property of the operator, it opens the menu of that. `options` are Blender's.
     """
-    room = sidebar_room(buttons=buttons) * share - (_MENU if menu else 0)
-    if room - ICON < _LEAST:
+    room = sidebar_room(buttons=buttons, boxed=boxed) * share - (_MENU if menu else 0)
+    if min(map(text_width, texts)) > room - ICON:
         icon = "NONE"
     text = fitting(max(room - (0 if icon == "NONE" else ICON), _LEAST), *texts)
     if menu:
@@ -128,30 +132,32 @@ def draw_wrapped(layout: Any, text: str, icon: str, room: float) -> None:
         column.label(text=line, icon=icon if number == 0 else further, translate=False)
 
 
-def draw_text(layout: Any, text: str, icon: str = "NONE", *, buttons: int = 0) -> None:
+def draw_text(layout: Any, text: str, icon: str = "NONE", *, buttons: int = 0, boxed: bool = True) -> None:
     """Draw a message on as many lines as the sidebar needs for it, beside some square buttons if any.
 
-    In a very narrow one it has no icon.
+    It has no icon where that would break a word. One that is not `boxed` has a box's margins more.
     """
-    if icon != "NONE" and sidebar_room(icon=True, buttons=buttons) <= _LEAST:
+    beside = sidebar_room(icon=True, buttons=buttons, boxed=boxed)
+    alone = sidebar_room(buttons=buttons, boxed=boxed)
+    if beside <= _LEAST or any(beside < text_width(word) <= alone for word in text.split()):
         icon = "NONE"
-    draw_wrapped(layout, text, icon, sidebar_room(icon=icon != "NONE", buttons=buttons))
+    draw_wrapped(layout, text, icon, sidebar_room(icon=icon != "NONE", buttons=buttons, boxed=boxed))
 
 
 def draw_title(layout: Any, text: str, icon: str, *, buttons: int = 0) -> bool:
     """Draw a title on two lines at most, beside some square buttons; returns whether all of it is there."""
     room = sidebar_room(icon=True, buttons=buttons)
     whole = len(wrapped(text, room)) <= 2
-    draw_text(layout, text if whole else shortened(text, room), icon, buttons=buttons)
+    draw_wrapped(layout, text if whole else shortened(text, room), icon, room)
     return whole
 
 
-def draw_setting(layout: Any, data: Any, name: str, **options: Any) -> None:
+def draw_setting(layout: Any, data: Any, name: str, *, boxed: bool = False, **options: Any) -> None:
     """Draw a setting with its name beside it, or above it where the sidebar is too narrow for both.
 
     `options` are those of `UILayout.prop`.
     """
-    place = _place(layout, data, name, options)
+    place = _place(layout, data, name, options, boxed=boxed)
     if place is layout:
         layout.prop(data, name, **options)
     else:
@@ -191,7 +197,7 @@ def _scale() -> float:
     return (preferences.system.ui_scale if preferences is not None else 0.0) or 1.0
 
 
-def _place(layout: Any, data: Any, name: str, options: dict[str, Any]) -> Any:
+def _place(layout: Any, data: Any, name: str, options: dict[str, Any], *, boxed: bool = False) -> Any:
     """Where to draw a setting: the layout itself, or a column of its own, below its name."""
     known = data.bl_rna.properties[name]
     label = options.get("text", iface_(known.name))
@@ -209,7 +215,7 @@ def _place(layout: Any, data: Any, name: str, options: dict[str, Any]) -> Any:
     column = layout.column(align=True)
     column.use_property_split = False
     if known.type != "BOOLEAN":
-        draw_text(column, label)
+        draw_text(column, label, boxed=boxed)
     return column.row(align=True) if options.get("expand") else column
 
 

@@ -244,6 +244,7 @@ def _with_files(scene: bpy.types.Scene, request: BakeRequest, found: Forecast, p
         finished=files.finished,
         unfinished=files.unfinished,
         done=files.done,
+        former=files.former,
         next=Next.BAKE,
     )
     adds = request.spec.incremental  # to bakes that are there
@@ -300,6 +301,7 @@ def _joined(groups: Sequence[Forecast]) -> Forecast:
         finished=sum(group.finished for group in groups),
         unfinished=sum(group.unfinished for group in groups),
         done=sum(group.done for group in groups),
+        former=sum(group.former for group in groups),
         layout="",
         sizes=tuple(line for group in groups for line in group.sizes),
         assets=tuple(asset for group in groups for asset in group.assets),

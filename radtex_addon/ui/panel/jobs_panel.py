@@ -285,15 +285,19 @@ def _is_with(comparison: Job, bake: Job) -> bool:
 def _draw_map(column: Any, job: Job, light: int) -> None:
     """Draw the figures of the job's UV map, which unfold its picture, or the icon `light`, if any."""
     if job.map is not None:
-        row = column.row(align=True)
-        row.alignment = "LEFT"
-        arrow = "DOWNARROW_HLT" if pictures.is_unfolded(job) else "RIGHTARROW"
         texts = (map_figures(job.map), iface_("Map"))
-        fold = draw_button(row, "radtex.fold_map", arrow, *texts, emboss=False)
-        fold.number = job.number
+        _draw_fold(column, "radtex.fold_map", texts, folded=not pictures.is_unfolded(job)).number = job.number
     unfolded = pictures.unfolded_map(job)
     if picture := light if unfolded is None else unfolded.icon_id:
         column.template_icon(picture, scale=_PICTURE)
+
+
+def _draw_fold(column: Any, operator: str, texts: Sequence[str], *, folded: bool) -> Any:
+    """Draw a line whose arrow shows more or hides it; returns its operator's properties."""
+    row = column.row(align=True)
+    row.alignment = "LEFT"
+    arrow = "RIGHTARROW" if folded else "DOWNARROW_HLT"
+    return draw_button(row, operator, arrow, *texts, emboss=False)
 
 
 def map_figures(found: JobMap) -> str:
@@ -304,7 +308,12 @@ def map_figures(found: JobMap) -> str:
 
 
 def _draw_warnings(column: Any, job: Job) -> None:
-    for warning in job.warnings:
+    """Draw the job's warnings; once it has ended, several are a line that unfolds them."""
+    hidden = jobs.hides_warnings(job)
+    if job.ended and len(job.warnings) > 1:
+        texts = (iface_("{} warnings").format(len(job.warnings)), iface_("Warnings"))
+        _draw_fold(column, "radtex.fold_warnings", texts, folded=hidden).number = job.number
+    for warning in () if hidden else job.warnings:
         draw_text(column, remark(warning, job.out), "INFO")
 
 

@@ -49,7 +49,9 @@ class RADTEX_UL_listed(bpy.types.UIList):
         row.prop(item, "use", text="")
         settings = settings_for(cast(bpy.types.Scene, context.scene), item.item.name)
         busy = is_being_baked(item.item.name, settings)
-        room = sidebar_room(buttons=_BESIDE_A_NAME + busy)
+        beside = _BESIDE_A_NAME - buttons_below()
+        pinned = sidebar_room(buttons=beside) >= _NAME  # else the pin above has to do
+        room = sidebar_room(buttons=beside - (not pinned) + busy)
         has_room = room - ICON > _NAME
         icon_beside = "OUTLINER_OB_MESH" if has_room else "NONE"
         text = shortened(item.item.name, room - ICON if has_room else room)
@@ -57,7 +59,8 @@ class RADTEX_UL_listed(bpy.types.UIList):
         own = item.item.radtex
         if busy:
             row.label(text="", icon="RENDER_STILL")
-        row.prop(own, "use", text="", icon="PINNED" if own.use else "UNPINNED", emboss=False)
+        if pinned:
+            row.prop(own, "use", text="", icon="PINNED" if own.use else "UNPINNED", emboss=False)
 
 
 class RADTEX_PT_list(Sidebar, bpy.types.Panel):
@@ -75,12 +78,14 @@ class RADTEX_PT_list(Sidebar, bpy.types.Panel):
         layout: Any = self.layout
         assert context is not None  # Blender always gives one
         chosen = chosen_by(cast(bpy.types.Scene, context.scene))
-        row = layout.row()
+        below = buttons_below()
+        row = layout.column() if below else layout.row()
         row.template_list("RADTEX_UL_listed", "", chosen, "listed", chosen, "active", rows=_ROWS)
-        buttons = row.column(align=True)
+        buttons = row.row(align=True) if below else row.column(align=True)
         buttons.operator("radtex.list_add", text="", icon="ADD").what = "SELECTED"
         buttons.operator("radtex.list_remove", text="", icon="REMOVE")
-        buttons.separator()
+        if not below:
+            buttons.separator()
         buttons.operator("radtex.list_move", text="", icon="TRIA_UP").way = "UP"
         buttons.operator("radtex.list_move", text="", icon="TRIA_DOWN").way = "DOWN"
         row = layout.row(align=True)
@@ -88,6 +93,11 @@ class RADTEX_PT_list(Sidebar, bpy.types.Panel):
         button = draw_button(row, "radtex.list_add", "OUTLINER_COLLECTION", *texts, buttons=1)
         button.what = "COLLECTION"
         row.operator("radtex.list_clear", text="", icon="TRASH")
+
+
+def buttons_below() -> bool:
+    """Whether the list's buttons are below it, since names would have no room beside them."""
+    return sidebar_room(buttons=_BESIDE_A_NAME) < _NAME
 
 
 class RADTEX_MT_settings_of(bpy.types.Menu):

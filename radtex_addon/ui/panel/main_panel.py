@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, cast
 import bpy
 
 from ...settings.presets import STOCK
-from ..operators.switch import LARGE
+from ..operators.switch import LARGE, draw_shading, draw_switch
 from ..operators.texels_operator import is_on as texels_shown
 from ..settings.bake_settings import BakeSettings
 from ..settings.chosen_objects import chosen_by, nothing_chosen
@@ -29,6 +29,7 @@ from .fitting import (
     shortened,
     side_by_side,
     sidebar_room,
+    text_width,
 )
 from .job_ends import TAB
 from .labels import capitalized, expected_range, iface_, size
@@ -76,17 +77,19 @@ class RADTEX_PT_bake(Sidebar, bpy.types.Panel):
         draw_setting(column, settings, settings.atlas_size)  # "texels" or "density"
         draw_setting(column, settings, "samples")
         _draw_buttons(layout, found)
+        _draw_preview(layout, context, found)
         if reason := why_grey(scene, found):
-            draw_text(layout, capitalized(reason), "INFO")
+            draw_text(layout, capitalized(reason), "INFO", boxed=False)
         if found is None:
             return
-        draw_text(layout, time_and_size(found))
+        if found.objects:
+            draw_text(layout, time_and_size(found), boxed=False)
         _draw_assets(layout, settings, found)
         for line in what_is_there(found):
-            draw_text(layout, line, "INFO")
+            draw_text(layout, line, "INFO", boxed=False)
         draw_remarks(layout, scene, settings, found)
         for line in found.sizes:
-            draw_text(layout, line, "BLANK1")
+            draw_text(layout, line, "BLANK1", boxed=False)
         draw_news(layout)
 
 
@@ -128,7 +131,7 @@ def _draw_assets(layout: Any, settings: BakeSettings, found: Forecast) -> None:
     box = layout.box()
     for line in told_assets(found):
         draw_text(box, line, "LINKED")
-    draw_setting(box, settings, "together")
+    draw_setting(box, settings, "together", boxed=True)
 
 
 def what_is_there(found: Forecast) -> list[str]:
@@ -175,13 +178,14 @@ def _draw_objects(
     named = row = layout.row(align=True)
     row.use_property_split = False
     if room < _NAME and chosen.source != "collection":  # the name has a line of its own
-        room, row = sidebar_room(icon=True), layout.row(align=True)
+        room, row = sidebar_room(icon=True, boxed=False), layout.row(align=True)
         row.use_property_split = False
     if chosen.source == "collection":
         row.prop(chosen, "collection", text="")
     elif shown:
-        text = shown[0] if len(shown) == 1 else iface_("{} objects").format(len(shown))
-        named.label(text=shortened(text, room), icon="OUTLINER_OB_MESH", translate=False)
+        several = iface_("{} objects").format(len(shown)), str(len(shown))
+        text = shortened(shown[0], room) if len(shown) == 1 else fitting(room, *several)
+        named.label(text=text, icon="OUTLINER_OB_MESH", translate=False)
     else:
         text = iface_("no object") if chosen.source == "list" else iface_(nothing_chosen(scene))
         named.label(text=fitting(room, capitalized(text), iface_("Nothing")), icon="INFO", translate=False)
@@ -204,7 +208,7 @@ def _draw_whose(layout: Any, settings: BakeSettings, found: Forecast | None) -> 
     names, own = (found.objects, found.own) if found is not None else ((), ())
     shown = settings.id_data if isinstance(settings.id_data, bpy.types.Object) else None
     opens = bool(own) and not (shown is not None and len(names) == 1)
-    room = sidebar_room(buttons=1 if opens else 0)
+    room = sidebar_room(buttons=1 if opens else 0, boxed=False)
     text = fitting(room, *told_whose(None if shown is None else shown.name, names, own))
     row = layout.row()
     if opens:
@@ -223,7 +227,7 @@ def told_whose(shown: str | None, names: Sequence[str], own: Sequence[str]) -> t
         among = iface_("Settings of {}, 1 of {} objects").format(shown, len(names))
         return (among, alone) if len(names) > 1 else (alone,)
     if not own:
-        return (iface_("Scene's settings"),)
+        return iface_("Scene's settings"), iface_("Scene's")
     if len(names) == 1:
         return (iface_("Scene's settings; {} has its own").format(own[0]),)
     told = iface_("Scene's settings; {} of {} objects have their own").format(len(own), len(names))
@@ -247,13 +251,38 @@ def _draw_buttons(layout: Any, found: Forecast | None) -> None:
     row, share = side_by_side(layout, [one.texts[-1] for one in buttons])
     row.scale_y = LARGE
     draw_buttons(row, found, buttons, share=share)
-    row = layout.row(align=True)
-    draw_action(row, "radtex.bake_scene", fit=True, buttons=1)
+    beside = text_width(iface_("Scene…")) <= sidebar_room(buttons=1, boxed=False)
+    row = layout.row(align=True) if beside else layout.column(align=True)
+    draw_action(row, "radtex.bake_scene", fit=True, buttons=int(beside), boxed=False)
     row.operator("radtex.show_texels", text="", icon="TEXTURE", depress=texels_shown())
     doing = found.next if found is not None else Next.NOTHING
     can_choose = doing in (Next.RESUME, Next.REPLACE) and found is not None and not found.unfinished
     if found is not None and can_choose and found.finished > 1:
         _draw_changed(layout.row(align=True))
+
+
+def _draw_preview(layout: Any, context: bpy.types.Context, found: Forecast | None) -> None:
+    """Draw the button that shows a finished bake, and the shadings in which it is seen."""
+    if found is None or not may_be_shown(found, context.active_object):
+        return
+    column = layout.column()
+    draw_switch(column, context.active_object)
+    draw_shading(column, context.space_data)
+
+
+def may_be_shown(found: Forecast, item: bpy.types.Object | None) -> bool:
+    """Whether bakes of the chosen objects are there, or may be where an error leaves that unknown.
+
+    A bake of `item`, the active object, that is shown in its place counts, wherever it lies.
+    """
+    from ...preview.swap import is_on
+
+    if not found.objects:
+        return False
+    unknown = found.next is Next.NOTHING and not found.needs_folder
+    by_name = found.named and found.named_of[0] in found.objects  # called otherwise than the settings say
+    there = found.finished or found.former or found.shown or by_name
+    return unknown or bool(there) or (item is not None and is_on(item))
 
 
 def _draw_changed(row: Any) -> None:
@@ -269,7 +298,7 @@ def _draw_copies(layout: Any, found: Forecast) -> None:
     """Draw what is done with copies that show a bake; in the place of the button, for they are not baked."""
     column = layout.column(align=True)
     for number, line in enumerate(told_copies(found)):
-        draw_text(column, line, "BLANK1" if number else "INFO")
+        draw_text(column, line, "BLANK1" if number else "INFO", boxed=False)
     column = layout.column()
     draw_buttons(column, found, bake_buttons(found), share=1.0)
 

@@ -125,7 +125,7 @@ def draw_buttons(
         if share is None:
             button = place.operator(one.operator, text=one.texts[0], icon=one.icon, translate=False)
         else:
-            button = draw_button(place, one.operator, one.icon, *one.texts, share=share)
+            button = draw_button(place, one.operator, one.icon, *one.texts, share=share, boxed=False)
         if one.operator != "radtex.bake":
             continue
         button.resume, button.overwrite, button.show_object = one.resume, one.overwrite, True
@@ -133,15 +133,21 @@ def draw_buttons(
 
 
 def draw_action(
-    layout: Any, operator: str, *, as_icon: bool = False, fit: bool = False, buttons: int = 0
+    layout: Any,
+    operator: str,
+    *,
+    as_icon: bool = False,
+    fit: bool = False,
+    buttons: int = 0,
+    boxed: bool = True,
 ) -> Any:
     """Draw the button of one of `ACTIONS`, or its icon alone; returns the operator's properties.
 
-    In the panel its text is to `fit`, beside some square `buttons`.
+    In the panel its text is to `fit`, beside some square `buttons`, in a box or not.
     """
     texts, icon = ACTIONS[operator]
     if as_icon:
         return layout.operator(operator, text="", icon=icon)
     if fit:
-        return draw_button(layout, operator, icon, *map(iface_, texts), buttons=buttons)
+        return draw_button(layout, operator, icon, *map(iface_, texts), buttons=buttons, boxed=boxed)
     return layout.operator(operator, text=iface_(texts[0]), icon=icon, translate=False)

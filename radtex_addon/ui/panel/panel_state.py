@@ -112,6 +112,7 @@ class Forecast:
     finished: int = 0
     unfinished: int = 0
     done: int = 0
+    former: int = 0  # bakes that are unfinished where an earlier finished one is still there
     busy: tuple[str, ...] = ()
     shown: tuple[str, ...] = ()
     own: tuple[str, ...] = ()

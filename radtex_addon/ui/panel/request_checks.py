@@ -33,13 +33,15 @@ _EVEN = 1.01  # the longest axis to the shortest
 class FilesThere:
     """How many `bakes` a request is for, and how many of them are `finished` and `unfinished` on disk.
 
-    `done` are those of the finished ones that have these settings.
+    `done` are those of the finished ones that have these settings. Of those that are `unfinished`, `former`
+    have an earlier finished bake beside what was begun.
     """
 
     bakes: int = 0
     finished: int = 0
     unfinished: int = 0
     done: int = 0
+    former: int = 0
 
 
 def sort_out(
@@ -146,6 +148,6 @@ def files_there(scene: bpy.types.Scene, request: BakeRequest) -> FilesThere:
     there = [request.place(bake) for bake in bakes]
     states = [one.state for one in there]
     done = sum(one.is_finished() for one in there)
-    return FilesThere(
-        len(bakes), states.count(FolderState.FINISHED), states.count(FolderState.UNFINISHED), done
-    )
+    finished, unfinished = states.count(FolderState.FINISHED), states.count(FolderState.UNFINISHED)
+    former = sum(one.files.sidecar.is_file() for one in there) - finished
+    return FilesThere(len(bakes), finished, unfinished, done, former)
