@@ -83,7 +83,7 @@ def test_where_nothing_is_chosen_no_size_is_told(tmp_path: Path) -> None:
     assert (seen().objects, time_and_size(seen())) == ((), "")
     layout = RecordedLayout()
     RADTEX_PT_cost.draw(cast(Any, SimpleNamespace(layout=layout)), context)
-    assert "Nothing is to be baked" in layout.texts
+    assert layout.texts == ["Select a mesh object to bake"]
 
 
 def test_what_would_fail_is_said_in_place(tmp_path: Path) -> None:
