@@ -31,7 +31,7 @@ from .passes import Passes, attributes_of, colour_of, light_of, raw_light_of
 from .path_ends import TURNS, PathEnds, any_dark, from_directions
 from .portal import Aim, PortalCapture
 
-_TILE_PIXELS = 3 << 20
+TILE_PIXELS = 3 << 20
 LIGHT, ENDS = "light", "ends"  # pieces begin with these and a hyphen
 _TEXELS_AT_ONCE = 1 << 12
 LOBES = {"diffuse": "diffuse", "mirrored": "glossy", "through": "transmission"}  # Cycles's names
@@ -147,7 +147,7 @@ def straight_shifts(count: int) -> Floats:
 
 def tiles_of(plan: CapturePlan, samples: int = 1) -> list[Tile]:
     """The tiles in which a plan of so many `samples` for each ray is rendered."""
-    rows = max(1, _TILE_PIXELS // (plan.columns * plan.layout.bucket**2 * samples))
+    rows = max(1, TILE_PIXELS // (plan.columns * plan.layout.bucket**2 * samples))
     return [Tile(row, min(rows, plan.rows - row)) for row in range(0, plan.rows, rows)]
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-_SUFFIX = ".radtex-farm"
+SUFFIX = ".radtex-farm"
 
 
 @dataclass(frozen=True)
@@ -19,7 +19,7 @@ class FarmFiles:
     @classmethod
     def of(cls, sidecar: Path) -> FarmFiles:
         """The farm beside the sidecar that its bake will have: `<name>.<kind>.radtex-farm`."""
-        return cls(sidecar.with_suffix(_SUFFIX))
+        return cls(sidecar.with_suffix(SUFFIX))
 
     @property
     def blend(self) -> Path:

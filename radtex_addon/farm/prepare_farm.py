@@ -106,7 +106,7 @@ def prepare_steps(
     check_images_saved()
     check_holdable(scene)
     farm = FarmFiles.of(files.sidecar)
-    with _replacing_folder(farm, bool(overwrite)) as place:
+    with replacing_folder(farm.folder, farm.manifest, bool(overwrite)) as place:
         inside = FarmFiles(place)
         inside.frames.mkdir()
         draft = _Draft(place / "draft.blend", inside.plan)
@@ -189,13 +189,12 @@ def _save_copies(
 
 
 @contextmanager
-def _replacing_folder(files: FarmFiles, overwrite: bool) -> Iterator[Path]:
+def replacing_folder(folder: Path, mark: Path, overwrite: bool) -> Iterator[Path]:
     """Yield a new folder that gets the farm's name on success, and is deleted on failure.
 
-    An earlier farm is replaced as a whole, or kept.
+    An earlier farm, which has the file `mark`, is replaced as a whole, or kept.
     """
-    folder = files.folder
-    if folder.exists() and not (overwrite and files.manifest.is_file()):
+    if folder.exists() and not (overwrite and mark.is_file()):
         raise InputError(
             f"{folder} is already there",
             do("overwrite it", Setting.OVERWRITE),

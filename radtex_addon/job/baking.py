@@ -157,7 +157,7 @@ def bake_steps(
             known = place.publish_again(checkpoint, was_finished)
             made, triangles = known, None
             if known is None or shown is not None:
-                baker = None if known is None else _finished_baker(known)
+                baker = None if known is None else finished_baker(known)
                 with at_frame(scene, spec.frame), new_data_removed():
                     baked = yield from bake_unchecked(
                         scene,
@@ -195,7 +195,7 @@ def bake_steps(
     )
 
 
-def _finished_baker(known: BakeOutput) -> Baker:
+def finished_baker(known: BakeOutput) -> Baker:
     """A baker for a finished bake: bakes nothing. It raises InputError if the mesh has changed since."""
 
     def bake(job: BakeJob) -> Generator[Progress, None, Outcome]:

@@ -228,7 +228,7 @@ class _Captures:
             yield from self._light_map(ready, (yield from self._light(ready)))
         elif part is Part.OWN:
             self._own(ready)
-        else:
+        elif part is not Part.MAPS:
             through = any(is_clear(body.original) for body in self.bodies)
             if through:
                 lone, light = self._ends(ready), (yield from self._light(ready))

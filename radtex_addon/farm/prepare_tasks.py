@@ -1,0 +1,188 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Write a folder of tasks, of which any machine with RadTex can do any: bakes of a scene, of any layout."""
+
+from __future__ import annotations
+
+import logging
+import secrets
+from collections.abc import Generator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import bpy
+
+from ..core.errors import BakeError, InputError
+from ..core.messages import Setting, leave_out
+from ..core.sampler import Filter
+from ..formats.sidecar import safe_name
+from ..forms.layered.capture.enclosed import is_clear
+from ..job.variants import Bake
+from ..scene.objects import is_rendered
+from ..settings.spec import BakeSpec
+from ..store.output_files import OutputFiles
+from ..store.ownership import open_blend
+from ..version import VERSION
+from .animation import hold_sequences
+from .blend import check_images_saved, without_extras
+from .farm_files import SUFFIX
+from .farm_progress import FarmStep, FarmTask
+from .prepare_farm import replacing_folder
+from .self_contained import make_local, pack_files
+from .task_graph import Subject, keyed, tasks_of
+from .tasks import FarmBake, TaskFarm, tasks_file
+from .templates import write_task_templates
+
+log = logging.getLogger(__name__)
+
+_SCENE_BYTES = 600 << 20  # of a process with Blender and a small scene
+_OF_FILE = 4  # times the size of the .blend and its images, which a scene takes in memory
+_ON_DISK = {"FLUID", "DYNAMIC_PAINT"}  # modifiers whose caches are files
+_REMEDY = "apply it (Object > Convert > Mesh), bake its cache into the .blend, or bake without a farm"
+
+
+@dataclass(frozen=True)
+class PreparedTasks:
+    """A farm of tasks, and the `size` in bytes of what travels."""
+
+    farm: TaskFarm
+    size: int
+
+
+def check_farmed(bakes: Sequence[Bake]) -> None:
+    """Raises InputError for bakes that add to one that is there, which is not in a farm's folder."""
+    if any(spec.incremental for _, spec in bakes):
+        raise InputError(
+            "a farm bakes anew: leave out what adds to a bake, or bake without a farm",
+            leave_out(Setting.ACCUMULATE, Setting.REFRESH),
+        )
+
+
+def tasks_folder(bakes: Sequence[Bake], out: Path) -> Path:
+    """The farm's folder: `<name>.<kind>.radtex-farm` of one bake, else named like the .blend."""
+    if len(bakes) == 1:
+        ((name, spec),) = bakes
+        return OutputFiles.of(name, spec, out).sidecar.with_suffix(SUFFIX)
+    return out / f"{safe_name(open_blend().stem or 'scene')}{SUFFIX}"
+
+
+def prepare_tasks_steps(
+    scene: bpy.types.Scene,
+    bakes: Sequence[Bake],
+    out: Path,
+    *,
+    preview: Filter | None = None,
+    overwrite: bool = False,
+) -> Generator[FarmStep, None, PreparedTasks]:
+    """Write a farm's folder into `out`, of bakes that were checked (`job.bake_plan.check_plans`).
+
+    Yields progress. No file of the user's changes, but **the session is empty afterwards**. On failure
+    nothing is left in the folder. Raises InputError for what cannot travel, BakeError for what fails.
+    """
+    check_farmed(bakes)
+    check_images_saved()
+    _check_caches(scene)
+    folder = tasks_folder(bakes, out)
+    subjects = [_subject(scene, name, spec) for name, spec in bakes]
+    named = keyed(subjects)
+    blend, name = open_blend().name, scene.name
+    with replacing_folder(folder, tasks_file(folder), overwrite) as place:
+        yield FarmStep(FarmTask.HOLD, 0, 2)
+        draft = place / "draft.blend"
+        _save(draft)
+        bpy.ops.wm.open_mainfile(filepath=str(draft), load_ui=False, use_scripts=False)
+        try:
+            yield FarmStep(FarmTask.HOLD, 1, 2)
+            carried = _make_independent(bpy.data.scenes[name], named, place)
+        finally:
+            bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+        draft.unlink()
+        farm = TaskFarm(
+            folder=place,
+            job=secrets.token_hex(16),
+            scene=name,
+            blend=blend,
+            radtex=VERSION,
+            blender=bpy.app.version_string,
+            preview=preview,
+            bakes=tuple(named),
+            tasks=(),
+            carried=carried,
+        )
+        travels = sum(path.stat().st_size for path in place.rglob("*") if path.is_file())
+        memory = _SCENE_BYTES + _OF_FILE * travels
+        farm = replace(farm, tasks=tuple(tasks_of(named, subjects, memory)))
+        write_task_templates(farm)
+        tasks_file(place).write_text(farm.to_json(), encoding="utf-8", newline="\n")
+        size = sum(path.stat().st_size for path in place.rglob("*") if path.is_file())
+    return PreparedTasks(replace(farm, folder=folder), size)
+
+
+def _subject(scene: bpy.types.Scene, name: str, spec: BakeSpec) -> Subject:
+    items = [scene.objects[each] for each in spec.objects or (name,) if each in scene.objects]
+    triangles = sum(_triangles(item) for item in items)
+    return Subject(name, spec, any(map(is_clear, items)), triangles)
+
+
+def _triangles(item: Any) -> int:
+    """About how many triangles an object has: those of its own mesh."""
+    polygons = getattr(item.data, "polygons", ())
+    return 2 * len(polygons)
+
+
+def _save(path: Path) -> None:
+    try:
+        bpy.ops.wm.save_as_mainfile(filepath=str(path), copy=True, relative_remap=True, compress=False)
+    except RuntimeError as error:
+        raise BakeError(f"{path}: Blender cannot write it ({error}); choose another folder") from error
+
+
+def _make_independent(scene: bpy.types.Scene, bakes: Sequence[FarmBake], folder: Path) -> Any:
+    """Save the open file as the farm's scene, which needs no others; returns what it carries."""
+    file = folder / "scene.blend"
+    try:
+        without_extras(scene)
+        libraries = make_local()
+        _hold_pictures(scene, bakes)
+        packed = pack_files(folder)
+        bpy.ops.wm.save_as_mainfile(filepath=str(file), compress=True, relative_remap=False)
+    except RuntimeError as error:
+        raise BakeError(f"{file}: Blender cannot make it ({' '.join(str(error).split())})") from error
+    return libraries + packed.carried
+
+
+def _hold_pictures(scene: bpy.types.Scene, bakes: Sequence[FarmBake]) -> None:
+    """Show image sequences' pictures at the frame that is baked. Raises InputError for several frames."""
+    frames = {scene.frame_current if bake.spec.frame is None else bake.spec.frame for bake in bakes}
+    hold_sequences(frames)
+
+
+def _check_caches(scene: bpy.types.Scene) -> None:
+    """Raises InputError for simulations whose results are in files, or not baked."""
+    layers = list(scene.view_layers)
+    item: Any
+    for item in scene.objects:
+        if not any(is_rendered(item, layer) for layer in layers):
+            continue
+        for modifier in item.modifiers:
+            if modifier.show_render and (fault := _cache_fault(modifier)):
+                raise InputError(
+                    f"object '{item.name}': {fault} of its modifier '{modifier.name}': {_REMEDY}"
+                )
+
+
+def _cache_fault(modifier: Any) -> str:
+    """Why a modifier's results do not travel with the .blend; "" if they do."""
+    if modifier.type in _ON_DISK:
+        return "no .blend holds the files"
+    cache = getattr(modifier, "point_cache", None)
+    if modifier.type == "PARTICLE_SYSTEM":
+        system = modifier.particle_system
+        dynamic = system.settings.type == "EMITTER" or system.use_hair_dynamics
+        cache = system.point_cache if dynamic else None
+    if cache is None:
+        return ""
+    if not cache.is_baked:
+        return "nothing is baked of the simulation"
+    return "no .blend holds the disk cache" if cache.use_disk_cache else ""
