@@ -12,6 +12,7 @@ from pathlib import Path
 import bpy
 
 from ..core.quoting import quoted
+from ..farm.farm_manifest import renders_as_frames
 from ..farm.frame_list import commands
 from ..farm.prepare_farm import Farm, prepare_steps
 from ..farm.prepare_tasks import PreparedTasks, prepare_tasks_steps
@@ -43,12 +44,12 @@ def run_prepare(request: Request, report: Report, interruption: Interruption) ->
     scene = open_asked(request, interruption)
     request = with_collections(scene, request, report)
     bakes = request.bakes
-    if bakes.open_layout is None and bakes.spec.form.farm and not (bakes.as_scene or bakes.assets):
-        asked = bakes.asked(scene)
-        if len(asked) == 1:
-            _prepare_frames(scene, asked[0], request, report, interruption)
-            return
-    _prepare_tasks(scene, request, report, interruption)
+    whole = bakes.open_layout is not None or bakes.as_scene or bakes.assets
+    asked = () if whole else bakes.asked(scene)
+    if len(asked) == 1 and renders_as_frames(asked[0][1]):
+        _prepare_frames(scene, asked[0], request, report, interruption)
+    else:
+        _prepare_tasks(scene, request, report, interruption)
 
 
 def _prepare_frames(
@@ -106,6 +107,7 @@ def _facts_of_tasks(made: PreparedTasks) -> dict[str, object]:
         "job": farm.job,
         "tasks": [task.name for task in farm.tasks],
         "bytes": made.size,
+        "seconds": {str(machines): round(farm.seconds_for(machines)) for machines in _MACHINES},
         "carried": [asdict(each) for each in farm.carried],
     }
 

@@ -112,7 +112,7 @@ def _save_preview(farm: TaskFarm, bake: FarmBake, made: BakeOutput) -> Generator
     with at_frame(scene, bake.spec.frame), new_data_removed():
         baked = yield from bake_unchecked(
             scene, bake.name, bake.spec, made.files, None, Stopwatch(), store,
-            baker=finished_baker(made), warns=False, blend=Path(farm.blend),
+            baker=finished_baker(made), warns=False, blend=Path(farm.blend), fingerprint=bake.fingerprint,
         )  # fmt: skip
         yield FarmStep(FarmTask.CHECK, 1, 1)
         save_preview_of(scene, bake.spec, made.files, baked.prepared, farm.preview, None)

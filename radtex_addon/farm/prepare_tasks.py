@@ -14,12 +14,14 @@ from typing import Any
 import bpy
 
 from ..core.errors import BakeError, InputError
-from ..core.messages import Setting, leave_out
+from ..core.messages import Setting, do, leave_out
 from ..core.sampler import Filter
 from ..formats.sidecar import safe_name
 from ..forms.layered.capture.enclosed import is_clear
+from ..job.changed_bakes import SceneReader
 from ..job.variants import Bake
 from ..scene.objects import is_rendered
+from ..scene.scratch import find_view_layer
 from ..settings.spec import BakeSpec
 from ..store.output_files import OutputFiles
 from ..store.ownership import open_blend
@@ -54,8 +56,7 @@ def check_farmed(bakes: Sequence[Bake]) -> None:
     """Raises InputError for bakes that add to one that is there, which is not in a farm's folder."""
     if any(spec.incremental for _, spec in bakes):
         raise InputError(
-            "a farm bakes anew: leave out what adds to a bake, or bake without a farm",
-            leave_out(Setting.ACCUMULATE, Setting.REFRESH),
+            "a farm bakes anew", leave_out(Setting.ACCUMULATE, Setting.REFRESH), do("bake without a farm")
         )
 
 
@@ -85,7 +86,11 @@ def prepare_tasks_steps(
     _check_caches(scene)
     folder = tasks_folder(bakes, out)
     subjects = [_subject(scene, name, spec) for name, spec in bakes]
-    named = keyed(subjects)
+    reader, layer = SceneReader(scene), find_view_layer(scene, None)
+    named = [
+        replace(bake, fingerprint=reader.at(bake.spec.frame).of_bake(bake.name, bake.spec, layer))
+        for bake in keyed(subjects)
+    ]
     blend, name = open_blend().name, scene.name
     with replacing_folder(folder, tasks_file(folder), overwrite) as place:
         yield FarmStep(FarmTask.HOLD, 0, 2)

@@ -152,6 +152,7 @@ def _baked(
             yield from bake_unchecked(
                 scene, bake.name, bake.spec, files, None, Stopwatch(), store,
                 baker=make, warns=task.part in (Part.MAPS, WHOLE), blend=Path(farm.blend),
+                fingerprint=bake.fingerprint,
             )
         )  # fmt: skip
 

@@ -78,7 +78,7 @@ def _work(bake: FarmBake, subject: Subject) -> BakeWork:
 def _whole(bake: FarmBake, subject: Subject, memory: int) -> Task:
     """The task of a bake that cannot be parted."""
     seconds = sum(typical_seconds(_work(bake, subject)).values())
-    return Task(f"{bake.key}.{WHOLE}", bake.key, WHOLE, (), seconds, memory + bake.spec.atlas_bytes)
+    return Task(f"{bake.key}.{WHOLE}", bake.key, WHOLE, (), round(seconds, 1), memory + bake.spec.atlas_bytes)
 
 
 def _layered(bake: FarmBake, subject: Subject, memory: int, first: str | None) -> Iterator[Task]:
@@ -94,7 +94,7 @@ def _layered(bake: FarmBake, subject: Subject, memory: int, first: str | None) -
     samples = memory + bake.spec.atlas_bytes // 2
 
     def task(part: str, needs: tuple[str, ...], seconds: float, bytes_taken: int = memory) -> Task:
-        return Task(f"{bake.key}.{part}", bake.key, part, needs, begin + seconds, bytes_taken)
+        return Task(f"{bake.key}.{part}", bake.key, str(part), needs, round(begin + seconds, 1), bytes_taken)
 
     def shared(part: Part, needs: tuple[str, ...], seconds: float, cells: int) -> tuple[Task, ...]:
         tiles = ceil(work.covered * cells / TILE_PIXELS)
@@ -102,7 +102,7 @@ def _layered(bake: FarmBake, subject: Subject, memory: int, first: str | None) -
         return tuple(
             Task(
                 f"{bake.key}.{part}.{number + 1}" if shares > 1 else f"{bake.key}.{part}",
-                bake.key, part, needs, begin + seconds / shares, memory, (number, shares),
+                bake.key, str(part), needs, round(begin + seconds / shares, 1), memory, (number, shares),
             )
             for number in range(shares)
         )  # fmt: skip

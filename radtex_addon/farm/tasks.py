@@ -18,6 +18,7 @@ from ..core.errors import FormatError, InputError, RadTexError
 from ..core.quoting import quoted
 from ..core.sampler import Filter
 from ..formats.disk.regular import digest
+from ..formats.fingerprint import KEY, Fingerprint, fingerprint_in
 from ..formats.json_reader import Facts, json_text
 from ..formats.sidecar_file import read_text
 from ..forms.layered.capture.parts import Part
@@ -58,11 +59,15 @@ class Task:
 
 @dataclass(frozen=True)
 class FarmBake:
-    """One of the bakes: the atlas `name` by `spec`. The `key` names its files in the farm's folder."""
+    """One of the bakes: the atlas `name` by `spec`. The `key` names its files in the farm's folder.
+
+    The `fingerprint` is of the scene that was prepared: of its copy, which packs images, it would be another.
+    """
 
     key: str
     name: str
     spec: BakeSpec
+    fingerprint: Fingerprint | None = None
 
 
 @dataclass(frozen=True)
@@ -238,7 +243,13 @@ class TaskFarm:
                 "blend": self.blend,
                 "preview": None if self.preview is None else str(self.preview),
                 "bakes": [
-                    {"key": bake.key, "name": bake.name, "spec": facts_of(bake.spec)} for bake in self.bakes
+                    {
+                        "key": bake.key,
+                        "name": bake.name,
+                        "spec": facts_of(bake.spec),
+                        KEY: None if bake.fingerprint is None else bake.fingerprint.to_facts(),
+                    }
+                    for bake in self.bakes
                 ],
                 "tasks": [
                     {
@@ -248,7 +259,7 @@ class TaskFarm:
                         "share": list(task.share),
                         "needs": list(task.needs),
                         "command": ["python", "bake.py", "work", ".", task.name],
-                        "seconds": round(task.seconds, 1),
+                        "seconds": task.seconds,
                         "memory": task.memory,
                     }
                     for task in self.tasks
@@ -300,7 +311,8 @@ def read_tasks(folder: Path) -> TaskFarm:
 
 def _bakes(facts: Facts) -> Iterator[FarmBake]:
     for one in _rows(facts, "bakes"):
-        yield FarmBake(_checked(one, "key"), one.text("name"), spec_in(one.inner("spec")))
+        known = None if one.values.get(KEY) is None else fingerprint_in(one)
+        yield FarmBake(_checked(one, "key"), one.text("name"), spec_in(one.inner("spec")), known)
 
 
 def _tasks(facts: Facts, bakes: Collection[str]) -> Iterator[Task]:

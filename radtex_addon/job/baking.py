@@ -24,6 +24,7 @@ from ..core.sampler import Filter
 from ..cycles.device import use_device
 from ..export.exporting import export_steps
 from ..formats.disk.temporary import temporary_folder
+from ..formats.fingerprint import Fingerprint
 from ..formats.sidecar import check_readable
 from ..formats.sidecar_file import read_facts
 from ..forms import form_for
@@ -244,12 +245,14 @@ def bake_unchecked(
     baker: Baker | None = None,
     warns: bool = True,
     blend: Path | None = None,
+    fingerprint: Fingerprint | None = None,
 ) -> Generator[Progress, None, Baked]:
     """Bake as `bake_steps` does, but without checks, preview and exports; the caller removes the baked mesh.
 
     Where a bake of another object is shown in its place, the object is rendered, not its stored light. A
     `baker` replaces that of the specification's form, to make something else of the prepared objects. It
     `warns` of a UV map that wastes its atlas. `blend` is the scene's file, None for the open one.
+    The scene may be a copy of one with a `fingerprint` that was read before.
     """
     kept: list[bpy.types.ID] = []
     with (
@@ -274,7 +277,7 @@ def bake_unchecked(
         now, layer = read_originals(scratch), find_view_layer(scratch, None)
         prepared = replace(
             prepared,
-            fingerprint=fingerprint_of_bake(now, layer, name, spec, files),
+            fingerprint=fingerprint or fingerprint_of_bake(now, layer, name, spec, files),
             scene="" if spec.lights or spec.alone else f"{now.whole} {scratch.frame_current_final} {device}",
             blend=(open_blend() if blend is None else blend).name,
         )
