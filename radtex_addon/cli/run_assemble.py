@@ -9,9 +9,9 @@ from functools import partial
 from ..core.errors import InputError
 from ..farm.assemble_farm import assemble_steps
 from ..farm.assemble_tasks import assemble_tasks_steps
-from ..farm.farm_files import FarmFiles
+from ..farm.farm_files import FarmFiles, tasks_file
 from ..farm.farm_manifest import read_manifest
-from ..farm.tasks import read_tasks, tasks_file
+from ..farm.tasks import read_tasks
 from ..job.variants import title_of
 from ..settings.targets import check_target
 from ..store.bake_folder import BakeFolder

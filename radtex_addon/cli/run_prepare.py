@@ -12,12 +12,12 @@ from pathlib import Path
 import bpy
 
 from ..core.quoting import quoted
+from ..farm.farm_files import tasks_file
 from ..farm.farm_manifest import renders_as_frames
 from ..farm.frame_list import commands
 from ..farm.prepare_farm import Farm, prepare_steps
 from ..farm.prepare_tasks import PreparedTasks, prepare_tasks_steps
 from ..farm.self_contained import Carried
-from ..farm.tasks import tasks_file
 from ..formats.disk.memory import readable_size
 from ..job.bake_plan import check_plans
 from ..job.variants import Bake

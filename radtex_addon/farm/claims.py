@@ -12,6 +12,7 @@ from __future__ import annotations
 import os
 import secrets
 import socket
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
@@ -72,15 +73,31 @@ def _take(path: Path, own: str, seen: dict[str, Claim]) -> bool:
         text = path.read_text(encoding="utf-8")
     except FileNotFoundError:
         return False
-    known = seen.get(path.name)
-    if known is None or known.text != text:
-        seen[path.name] = Claim(text, monotonic())
-        return False
-    if monotonic() - known.since < PATIENCE:
-        return False
+    if not _has_died(text):
+        known = seen.get(path.name)
+        if known is None or known.text != text:
+            seen[path.name] = Claim(text, monotonic())
+            return False
+        if monotonic() - known.since < PATIENCE:
+            return False
     with suppress(FileNotFoundError):  # others may be quicker, or take the claim that was just made anew
         path.replace(path.with_name(f".radtex-left-{secrets.token_hex(8)}"))
     return _make(path, own)
+
+
+def _has_died(text: str) -> bool:
+    """Whether a claim is of a process of this machine that is no more."""
+    host, _, rest = text.partition(" ")
+    pid = rest.partition(" ")[0]
+    if host != socket.gethostname() or not pid.isdecimal() or sys.platform == "win32":
+        return False
+    try:
+        os.kill(int(pid), 0)
+    except ProcessLookupError:
+        return True
+    except (OSError, OverflowError):
+        return False
+    return False
 
 
 def _make(path: Path, own: str) -> bool:

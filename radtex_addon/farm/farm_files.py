@@ -10,6 +10,16 @@ from pathlib import Path
 SUFFIX = ".radtex-farm"
 
 
+def tasks_file(folder: Path) -> Path:
+    """The file that lists the tasks of the farm in a folder."""
+    return folder / "tasks.json"
+
+
+def is_farm(folder: Path) -> bool:
+    """Whether a folder holds a farm, of frames or of tasks."""
+    return FarmFiles(folder).manifest.is_file() or tasks_file(folder).is_file()
+
+
 @dataclass(frozen=True)
 class FarmFiles:
     """Paths of the files in a farm's `folder`."""

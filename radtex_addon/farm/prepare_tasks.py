@@ -28,12 +28,12 @@ from ..store.ownership import open_blend
 from ..version import VERSION
 from .animation import hold_sequences
 from .blend import check_images_saved, without_extras
-from .farm_files import SUFFIX
+from .farm_files import SUFFIX, tasks_file
 from .farm_progress import FarmStep, FarmTask
 from .prepare_farm import replacing_folder
 from .self_contained import make_local, pack_files
 from .task_graph import Subject, keyed, tasks_of
-from .tasks import FarmBake, TaskFarm, tasks_file
+from .tasks import FarmBake, TaskFarm
 from .templates import write_task_templates
 
 log = logging.getLogger(__name__)
@@ -92,7 +92,7 @@ def prepare_tasks_steps(
         for bake in keyed(subjects)
     ]
     blend, name = open_blend().name, scene.name
-    with replacing_folder(folder, tasks_file(folder), overwrite) as place:
+    with replacing_folder(folder, overwrite) as place:
         yield FarmStep(FarmTask.HOLD, 0, 2)
         draft = place / "draft.blend"
         _save(draft)

@@ -26,6 +26,7 @@ from ..settings.spec import BakeSpec, facts_of, spec_in
 from ..store import checkpoint_files
 from ..store.shared_pieces import appearing
 from ..version import VERSION
+from .farm_files import tasks_file
 from .self_contained import Carried
 
 _VERSION = 1
@@ -267,11 +268,6 @@ class TaskFarm:
                 "carried": [asdict(each) for each in self.carried],
             }
         )
-
-
-def tasks_file(folder: Path) -> Path:
-    """The file that lists the tasks of the farm in a folder."""
-    return folder / "tasks.json"
 
 
 def read_tasks(folder: Path) -> TaskFarm:

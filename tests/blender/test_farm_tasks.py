@@ -7,6 +7,7 @@ from __future__ import annotations
 import json
 import random
 import shutil
+import socket
 import subprocess
 import sys
 from collections.abc import Sequence
@@ -23,10 +24,11 @@ from radtex_addon.core.sampler import Filter
 from radtex_addon.farm import claims
 from radtex_addon.farm.assemble_tasks import assemble_tasks_steps
 from radtex_addon.farm.claims import Claim, claimed
+from radtex_addon.farm.farm_files import tasks_file
 from radtex_addon.farm.prepare_tasks import prepare_tasks_steps
 from radtex_addon.farm.run_task import task_steps
 from radtex_addon.farm.task_graph import Subject, keyed, tasks_of
-from radtex_addon.farm.tasks import TaskFarm, read_tasks, tasks_file
+from radtex_addon.farm.tasks import TaskFarm, read_tasks
 from radtex_addon.job import bake_object
 from radtex_addon.settings.spec import BakeSpec, Kind, Layout
 from tests.blender import stage
@@ -243,6 +245,11 @@ def test_a_claim_of_the_living_keeps_others_away_and_one_of_the_dead_does_not(
     with claimed(farm, "x", seen) as third:
         assert third
     left = farm.folder / "claims" / "x"
+    gone = subprocess.Popen([sys.executable, "-c", ""])
+    gone.wait()
+    left.write_text(f"{socket.gethostname()} {gone.pid} killed")
+    with claimed(farm, "x", seen) as at_once:
+        assert at_once
     left.write_text("a machine that died, whose clock was an hour ahead")
     with claimed(farm, "x", seen) as early:
         assert not early
