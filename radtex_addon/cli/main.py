@@ -29,10 +29,11 @@ from .run_compare import run_compare
 from .run_export import run_export
 from .run_prepare import run_prepare
 from .run_report import run_report
-from .run_task import TaskRequest, is_of_tasks, parse_tasks, run_tasks
+from .run_task import run_tasks
 from .run_work import WorkRequest, parse_work, run_work
 from .terminal import tell
 from .wording import told, worded
+from .work_arguments import TaskRequest, is_of_tasks, parse_tasks
 
 
 def _parse_work(arguments: list[str], inside_blender: bool) -> WorkRequest | TaskRequest:

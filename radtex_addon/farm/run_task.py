@@ -196,7 +196,7 @@ def _check_machine(farm: TaskFarm) -> None:
 
 def _check_needs(farm: TaskFarm, task: Task) -> None:
     """Raises InputError for a task whose turn has not come, with those that come first."""
-    if left := [need for need in task.needs if not farm.is_done(need)]:
+    if left := farm.undone(task.needs):
         raise InputError(
             f"task {task.name} needs what is not done: {', '.join(left[:8])}{' …' if len(left) > 8 else ''}; "
             f"do that first: {farm.command_for(left)}"

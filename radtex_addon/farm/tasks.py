@@ -7,7 +7,7 @@ from __future__ import annotations
 import json
 import re
 import shutil
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
@@ -24,7 +24,7 @@ from ..formats.sidecar_file import read_text
 from ..forms.layered.capture.parts import Part
 from ..settings.spec import BakeSpec, facts_of, spec_in
 from ..store import checkpoint_files
-from ..store.shared_pieces import appearing
+from ..store.shared_pieces import appearing, appears
 from ..version import VERSION
 from .farm_files import tasks_file
 from .self_contained import Carried
@@ -145,6 +145,10 @@ class TaskFarm:
     def is_done(self, task: str) -> bool:
         """Whether a task is marked as done."""
         return self.mark(task).is_file()
+
+    def undone(self, tasks: Sequence[str]) -> list[str]:
+        """Those of some tasks that are not marked as done, also after a while: disks may show marks late."""
+        return [name for name in tasks if not appears(self.mark(name))]
 
     def left(self) -> list[Task]:
         """The tasks that are not marked as done, in an order in which they can be done."""

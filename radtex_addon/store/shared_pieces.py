@@ -15,6 +15,7 @@ import secrets
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from time import monotonic, sleep
 from typing import Any
 
 import numpy.typing as npt
@@ -27,6 +28,8 @@ from .checkpoint_files import PIECE, Key, label_of, read_piece, read_rows, write
 
 log = logging.getLogger(__name__)
 
+PATIENCE = 10.0  # seconds that others' files may take to appear
+_LOOK = 0.5  # seconds between looks
 _FACTS = "facts.json"
 _BESIDE = ".radtex-"  # how the names of unfinished files begin
 
@@ -72,6 +75,8 @@ class SharedPieces(PieceStore):
             self._begin()
             self.used[name] = None
         path = self._path(name)
+        if not own:
+            appears(path)
         try:
             return read_piece(path, label_of(name, self._facts))
         except FileNotFoundError:
@@ -158,6 +163,18 @@ class SharedPieces(PieceStore):
 
 def _is_beside(path: Path) -> bool:
     return path.name.startswith(_BESIDE)
+
+
+def appears(path: Path) -> bool:
+    """Whether a file that others write is there, or is within a while: disks of a network show names late."""
+    since = monotonic()
+    while not path.exists():
+        if monotonic() - since > PATIENCE:
+            return False
+        sleep(_LOOK)
+        with suppress(OSError):
+            os.listdir(path.parent)  # asks the disk anew
+    return True
 
 
 @contextmanager

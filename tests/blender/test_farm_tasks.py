@@ -107,6 +107,13 @@ def worked(tmp_path_factory: pytest.TempPathFactory) -> Worked:
     return Worked(farm, folder / "local")
 
 
+@pytest.fixture(autouse=True)
+def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is not there will not appear."""
+    monkeypatch.setattr("radtex_addon.store.shared_pieces.PATIENCE", 0.0)
+    monkeypatch.setattr("radtex_addon.store.shared_pieces._LOOK", 0.01)
+
+
 @pytest.fixture
 def farm(worked: Worked, tmp_path: Path) -> TaskFarm:
     """A copy to do harm to."""
