@@ -173,7 +173,7 @@ def appears(path: Path) -> bool:
             return False
         sleep(_LOOK)
         with suppress(OSError):
-            os.listdir(path.parent)  # asks the disk anew
+            list(path.parent.iterdir())  # asks the disk anew
     return True
 
 
