@@ -20,7 +20,7 @@ from ..formats.sidecar import safe_name
 from ..forms.layered.capture.enclosed import is_clear
 from ..job.changed_bakes import SceneReader
 from ..job.variants import Bake
-from ..scene.objects import is_rendered
+from ..scene.objects import find_object
 from ..scene.scratch import find_view_layer
 from ..settings.spec import BakeSpec
 from ..store.output_files import OutputFiles
@@ -30,6 +30,7 @@ from .animation import hold_sequences
 from .blend import check_images_saved, without_extras
 from .farm_files import SUFFIX, tasks_file
 from .farm_progress import FarmStep, FarmTask
+from .freeze_scene import check_caches_travel
 from .prepare_farm import replacing_folder
 from .self_contained import make_local, pack_files
 from .task_graph import Subject, keyed, tasks_of
@@ -40,8 +41,6 @@ log = logging.getLogger(__name__)
 
 _SCENE_BYTES = 600 << 20  # of a process with Blender and a small scene
 _OF_FILE = 4  # times the size of the .blend and its images, which a scene takes in memory
-_ON_DISK = {"FLUID", "DYNAMIC_PAINT"}  # modifiers whose caches are files
-_REMEDY = "apply it (Object > Convert > Mesh), bake its cache into the .blend, or bake without a farm"
 
 
 @dataclass(frozen=True)
@@ -83,7 +82,7 @@ def prepare_tasks_steps(
     """
     check_farmed(bakes)
     check_images_saved()
-    _check_caches(scene)
+    check_caches_travel(scene)
     folder = tasks_folder(bakes, out)
     subjects = [_subject(scene, name, spec) for name, spec in bakes]
     reader, layer = SceneReader(scene), find_view_layer(scene, None)
@@ -125,7 +124,7 @@ def prepare_tasks_steps(
 
 
 def _subject(scene: bpy.types.Scene, name: str, spec: BakeSpec) -> Subject:
-    items = [scene.objects[each] for each in spec.objects or (name,) if each in scene.objects]
+    items = [find_object(scene, each) for each in spec.objects or (name,)]
     triangles = sum(_triangles(item) for item in items)
     return Subject(name, spec, any(map(is_clear, items)), triangles)
 
@@ -161,33 +160,3 @@ def _hold_pictures(scene: bpy.types.Scene, bakes: Sequence[FarmBake]) -> None:
     """Show image sequences' pictures at the frame that is baked. Raises InputError for several frames."""
     frames = {scene.frame_current if bake.spec.frame is None else bake.spec.frame for bake in bakes}
     hold_sequences(frames)
-
-
-def _check_caches(scene: bpy.types.Scene) -> None:
-    """Raises InputError for simulations whose results are in files, or not baked."""
-    layers = list(scene.view_layers)
-    item: Any
-    for item in scene.objects:
-        if not any(is_rendered(item, layer) for layer in layers):
-            continue
-        for modifier in item.modifiers:
-            if modifier.show_render and (fault := _cache_fault(modifier)):
-                raise InputError(
-                    f"object '{item.name}': {fault} of its modifier '{modifier.name}': {_REMEDY}"
-                )
-
-
-def _cache_fault(modifier: Any) -> str:
-    """Why a modifier's results do not travel with the .blend; "" if they do."""
-    if modifier.type in _ON_DISK:
-        return "no .blend holds the files"
-    cache = getattr(modifier, "point_cache", None)
-    if modifier.type == "PARTICLE_SYSTEM":
-        system = modifier.particle_system
-        dynamic = system.settings.type == "EMITTER" or system.use_hair_dynamics
-        cache = system.point_cache if dynamic else None
-    if cache is None:
-        return ""
-    if not cache.is_baked:
-        return "nothing is baked of the simulation"
-    return "no .blend holds the disk cache" if cache.use_disk_cache else ""

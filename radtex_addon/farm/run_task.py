@@ -30,9 +30,8 @@ from ..forms.layered.capture.parts import Part, part_of
 from ..forms.outcome import Outcome
 from ..job.baking import Baked, bake_unchecked
 from ..scene.scratch import at_frame, new_data_removed
-from ..store.checkpoint_files import PIECE
 from ..store.output_files import OutputFiles
-from ..store.shared_pieces import SharedPieces
+from ..store.shared_pieces import SharedPieces, piece_file
 from .tasks import WHOLE, Done, FarmBake, Task, TaskFarm, publish_results
 
 try:
@@ -116,7 +115,7 @@ def pieces_of(farm: TaskFarm, task: Task, results: Path) -> SharedPieces:
         for each in tasks:
             farm.set_undone(each)
         return BakeError(
-            f"{farm.pieces(task.bake) / piece}{PIECE}, which task {task.name} needs, {fault}: "
+            f"{piece_file(farm.pieces(task.bake), piece)}, which task {task.name} needs, {fault}: "
             f"do it first: {farm.command_for(tasks)}"
         )
 
@@ -214,8 +213,8 @@ def _faults(farm: TaskFarm, task: Task) -> str:
     except FormatError as error:
         return str(error)
     folder = farm.pieces(task.bake)
-    missing = [piece for piece in done.pieces if not (folder / f"{piece}{PIECE}").is_file()]
-    return f"{folder / missing[0]}{PIECE} is not there" if missing else ""
+    missing = [piece for piece in done.pieces if not piece_file(folder, piece).is_file()]
+    return f"{piece_file(folder, missing[0])} is not there" if missing else ""
 
 
 def _most_memory() -> int:

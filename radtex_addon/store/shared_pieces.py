@@ -158,7 +158,12 @@ class SharedPieces(PieceStore):
         return {name: known[name] for name in facts}
 
     def _path(self, name: str) -> Path:
-        return self._folder / f"{name}{PIECE}"
+        return piece_file(self._folder, name)
+
+
+def piece_file(folder: Path, name: str) -> Path:
+    """The file of the piece of that name."""
+    return folder / f"{name}{PIECE}"
 
 
 def _is_beside(path: Path) -> bool:
