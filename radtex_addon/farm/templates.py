@@ -82,7 +82,7 @@ def _openjd_needs(needs: Sequence[str]) -> str:
 
 
 def _slurm_steps(steps: Sequence[Step]) -> str:
-    """A line for each step: its number and name, MiB, minutes, the numbers of those it needs, and its tasks."""
+    """A line for each step: its number, name, MiB, minutes, the numbers of those it needs, its tasks."""
     numbers = {step.name: str(number) for number, step in enumerate(steps)}
     lines = [
         f"step {numbers[step.name]} {step.name} {_mebibytes(step.memory * _MEMORY)} {_minutes(step.seconds)} "

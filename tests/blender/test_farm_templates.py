@@ -22,7 +22,7 @@ LONG = "A name that is much longer than forty letters, and quite alike "
 SECONDS = 60.0
 
 
-def _farm(folder: Path, bakes: int, texels: int = 512, title: str = "Thing") -> TaskFarm:
+def farm_of(folder: Path, bakes: int, texels: int = 512, title: str = "Thing") -> TaskFarm:
     """A farm of objects, of which each third one may let light through."""
     spec = BakeSpec(layout=Layout.LAYERED, texels=texels, samples=64)
     subjects = [Subject(f"{title} {number}", spec, number % 3 == 0, 1000) for number in range(bakes)]
@@ -47,7 +47,7 @@ def _check_order(tasks: tuple[Task, ...], steps: list[Step]) -> None:
 @pytest.mark.one_blender
 @pytest.mark.parametrize(("bakes", "texels"), [(1, 64), (2, 512), (50, 256), (300, 512), (20, 4096)])
 def test_steps_are_few_and_keep_the_order(tmp_path: Path, bakes: int, texels: int) -> None:
-    farm = _farm(tmp_path, bakes, texels)
+    farm = farm_of(tmp_path, bakes, texels)
     steps = steps_of(farm.tasks)
     _check_order(farm.tasks, steps)
     assert len(steps) <= STEPS
@@ -57,7 +57,7 @@ def test_steps_are_few_and_keep_the_order(tmp_path: Path, bakes: int, texels: in
 
 @pytest.mark.one_blender
 def test_a_few_bakes_wait_for_nothing_of_each_other_but_pictures_of_rooms(tmp_path: Path) -> None:
-    steps = {step.name: step for step in steps_of(_farm(tmp_path, 2).tasks)}
+    steps = {step.name: step for step in steps_of(farm_of(tmp_path, 2).tasks)}
     assert steps["Thing_1.around"].needs == ("Thing_1.maps", "Thing_0.around")
     assert {name for step in steps.values() for name in step.needs if step.name[:7] != name[:7]} == {
         "Thing_0.around"
@@ -67,7 +67,7 @@ def test_a_few_bakes_wait_for_nothing_of_each_other_but_pictures_of_rooms(tmp_pa
 
 @pytest.mark.one_blender
 def test_more_tasks_than_a_step_takes_are_several(tmp_path: Path) -> None:
-    farm = _farm(tmp_path, 40, 4096)
+    farm = farm_of(tmp_path, 40, 4096)
     steps = steps_of(farm.tasks, most=1)
     _check_order(farm.tasks, steps)
     of_light = [step for step in steps if ".light" in step.name]
@@ -77,7 +77,7 @@ def test_more_tasks_than_a_step_takes_are_several(tmp_path: Path) -> None:
 
 @pytest.mark.one_blender
 def test_names_that_begin_alike_are_told_apart(tmp_path: Path) -> None:
-    names = [step.name for step in steps_of(_farm(tmp_path, 3, title=LONG).tasks) if step.is_last]
+    names = [step.name for step in steps_of(farm_of(tmp_path, 3, title=LONG).tasks) if step.is_last]
     key = "A_name_that_is_much_longer_than_forty_letters"[:40]
     assert sorted(names) == [f"{key}.bake", f"{key}.bake_2", f"{key}.bake_3"]
 
@@ -85,7 +85,7 @@ def test_names_that_begin_alike_are_told_apart(tmp_path: Path) -> None:
 @pytest.mark.one_blender
 def test_templates_of_an_odd_name_are_whole(tmp_path: Path) -> None:
     """A quote, a line end and what templates take for their own marks: each file still reads as it should."""
-    farm = _farm(tmp_path, 1, 64, '"{{Param.Folder}}"\n@STEPS@ $(id)')
+    farm = farm_of(tmp_path, 1, 64, '"{{Param.Folder}}"\n@STEPS@ $(id)')
     write_task_templates(farm)
     job = yaml.safe_load((tmp_path / "openjd.yaml").read_text(encoding="utf-8"))
     name = next(each["default"] for each in job["parameterDefinitions"] if each["name"] == "Name")
@@ -98,7 +98,7 @@ def test_templates_of_an_odd_name_are_whole(tmp_path: Path) -> None:
 
 @pytest.mark.one_blender
 def test_openjd_and_slurm_get_each_steps_needs_and_memory(tmp_path: Path) -> None:
-    farm = _farm(tmp_path, 2)
+    farm = farm_of(tmp_path, 2)
     write_task_templates(farm)
     job = yaml.safe_load((tmp_path / "openjd.yaml").read_text(encoding="utf-8"))
     *given, joins = job["steps"]
