@@ -4,13 +4,14 @@
 
 from __future__ import annotations
 
+import json
 import re
 import shlex
 import subprocess
 from pathlib import Path
+from typing import NamedTuple
 
 import pytest
-import yaml
 
 from radtex_addon.farm.steps import STEPS, TASKS, Step, steps_of
 from radtex_addon.farm.task_graph import Subject, keyed, tasks_of
@@ -87,11 +88,12 @@ def test_templates_of_an_odd_name_are_whole(tmp_path: Path) -> None:
     """A quote, a line end and what templates take for their own marks: each file still reads as it should."""
     farm = farm_of(tmp_path, 1, 64, '"{{Param.Folder}}"\n@STEPS@ $(id)')
     write_task_templates(farm)
-    job = yaml.safe_load((tmp_path / "openjd.yaml").read_text(encoding="utf-8"))
-    name = next(each["default"] for each in job["parameterDefinitions"] if each["name"] == "Name")
-    assert "{{Param.Folder}}" in name
-    assert "\n" not in name
-    assert [step["name"] for step in job["steps"]] == [*(s.name for s in steps_of(farm.tasks)), "Assemble"]
+    job = (tmp_path / "openjd.yaml").read_text(encoding="utf-8")
+    (name,) = re.findall(r"^  - name: Name\n    type: STRING\n    default: (.*)$", job, re.MULTILINE)
+    assert json.loads(name) == 'RadTex "{{Param.Folder}}"\\n@STEPS@ $(id) 0'
+    assert [step.name for step in _openjd_steps(tmp_path)] == [s.name for s in steps_of(farm.tasks)] + [
+        "Assemble"
+    ]
     assert not re.search(r"^@|\$\(id\)", (tmp_path / "slurm.sh").read_text(encoding="utf-8"), re.MULTILINE)
     subprocess.run(["bash", "-n", str(tmp_path / "slurm.sh")], check=True)
 
@@ -100,24 +102,43 @@ def test_templates_of_an_odd_name_are_whole(tmp_path: Path) -> None:
 def test_openjd_and_slurm_get_each_steps_needs_and_memory(tmp_path: Path) -> None:
     farm = farm_of(tmp_path, 2)
     write_task_templates(farm)
-    job = yaml.safe_load((tmp_path / "openjd.yaml").read_text(encoding="utf-8"))
-    *given, joins = job["steps"]
+    *given, joins = _openjd_steps(tmp_path)
     lines = (tmp_path / "slurm.sh").read_text(encoding="utf-8").splitlines()
     rows = [shlex.split(line)[1:] for line in lines if line.startswith("step ")]
     steps = steps_of(farm.tasks)
     assert len(given) == len(rows) == len(steps)
     for step, one, (number, name, memory, minutes, needs, *tasks) in zip(steps, given, rows, strict=True):
         names = [task.name for task in step.tasks]
-        assert (one["name"], name, tasks) == (step.name, step.name, names)
-        (task_parameter,) = one["parameterSpace"]["taskParameterDefinitions"]
-        assert task_parameter == {"name": "Task", "type": "STRING", "range": names}
-        assert [each["dependsOn"] for each in one.get("dependencies", [])] == list(step.needs)
+        assert (one.name, name, list(one.tasks), tasks) == (step.name, step.name, names, names)
+        assert one.needs == step.needs
         assert [rows[int(need)][1] for need in needs.split()] == list(step.needs)
         assert rows[int(number)][1] == step.name
-        (amount,) = one["hostRequirements"]["amounts"]
-        assert amount["name"] == "amount.worker.memory"
-        assert 0 <= amount["min"] * (1 << 20) - step.memory < 1 << 20
+        assert one.memory is not None
+        assert 0 <= one.memory * (1 << 20) - step.memory < 1 << 20
         assert int(memory) * (1 << 20) >= step.memory * 1.5
         assert int(minutes) * SECONDS >= step.seconds * 10
-    last = [step.name for step in steps if step.is_last]
-    assert [each["dependsOn"] for each in joins["dependencies"]] == last == ["Thing_0.bake", "Thing_1.bake"]
+    last = tuple(step.name for step in steps if step.is_last)
+    assert joins.needs == last == ("Thing_0.bake", "Thing_1.bake")
+
+
+class Given(NamedTuple):
+    """A step of an OpenJD template; its memory is in MiB."""
+
+    name: str
+    needs: tuple[str, ...]
+    memory: int | None
+    tasks: tuple[str, ...]
+
+
+def _openjd_steps(folder: Path) -> list[Given]:
+    """The steps of the template in a folder, of which openjd itself says that it is one (see tests/real)."""
+    text = (folder / "openjd.yaml").read_text(encoding="utf-8").split("\nsteps:\n")[1]
+    return [_openjd_step(step) for step in re.split("^  - name: ", text, flags=re.MULTILINE)[1:]]
+
+
+def _openjd_step(text: str) -> Given:
+    needs = re.findall(r"^      - dependsOn: \"(.*)\"$", text, re.MULTILINE)
+    memory = re.findall(r"^        - name: amount.worker.memory\n          min: (\d+)$", text, re.MULTILINE)
+    tasks = re.findall(r"^            - \"(.*)\"$", text, re.MULTILINE)
+    name = text.split("\n", maxsplit=1)[0].strip('"')
+    return Given(name, tuple(needs), int(memory[0]) if memory else None, tuple(tasks))

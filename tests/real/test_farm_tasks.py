@@ -18,9 +18,8 @@ from typing import Any
 
 import bpy
 import pytest
-import yaml
 
-from radtex_addon.farm.steps import STEPS
+from radtex_addon.farm.steps import STEPS, steps_of
 from radtex_addon.farm.tasks import read_tasks
 from radtex_addon.farm.templates import write_task_templates
 from tests.blender.killed import digests
@@ -75,39 +74,35 @@ def test_openjd_workers_do_what_one_does(
 ) -> None:
     """So many at once, each a task whose step waits for no other; one fails, and is done again."""
     worker = Worker.made(tmp_path, FLAKY)
-    job = yaml.safe_load((farm / "openjd.yaml").read_text(encoding="utf-8"))
-    steps = {step["name"]: step for step in job["steps"] if step["name"] != "Assemble"}
-    needs = {
-        name: {each["dependsOn"] for each in step.get("dependencies", [])} for name, step in steps.items()
-    }
-    tries: list[str] = []
+    steps = {step.name: step for step in steps_of(read_tasks(farm).tasks)}
 
     def work(step: str) -> None:
-        (parameter,) = steps[step]["parameterSpace"]["taskParameterDefinitions"]
-        for task in parameter["range"]:
-            for _ in range(2):
-                tries.append(task)
-                one = ("--step", step, "--no-run-dependencies", "-tp", f"Task={task}")
-                run = _openjd("run", farm, *one, "-p", f"Work={worker.command}")
-                if run.returncode == 0:
-                    break
-                assert "lost" in run.stdout
-            else:
-                pytest.fail(run.stdout)
+        for task in steps[step].tasks:
+            _do_once_more(farm, worker, step, task.name)
 
     with ThreadPoolExecutor(workers) as pool:
         running: dict[Future[None], str] = {}
         done: set[str] = set()
         while len(done) < len(steps):
-            ready = [name for name in steps if needs[name] <= done and name not in {*done, *running.values()}]
+            left = [step for step in steps.values() if step.name not in {*done, *running.values()}]
+            ready = [step.name for step in left if done.issuperset(step.needs)]
             running |= {pool.submit(work, name): name for name in ready}
             for future in wait(running, return_when=FIRST_COMPLETED).done:
                 future.result()
                 done.add(running.pop(future))
     assert {task: len(processes) for task, processes in worker.begun().items()} == {
-        task: 1 + (task == FLAKY) for task in dict.fromkeys(tries)
+        task: 1 + (task == FLAKY) for task in read_tasks(farm).by_name
     }
     prepared.check_done(farm)
+
+
+def _do_once_more(farm: Path, worker: Worker, step: str, task: str) -> None:
+    """Let OpenJD do a task in a process of its own, and again if it was lost."""
+    one = ("--step", step, "--no-run-dependencies", "-tp", f"Task={task}", "-p", f"Work={worker.command}")
+    run = _openjd("run", farm, *one)
+    if run.returncode != 0 and "lost" in run.stdout:
+        run = _openjd("run", farm, *one)
+    assert run.returncode == 0, run.stdout
 
 
 def test_openjd_takes_a_farm_of_300_bakes(tmp_path: Path) -> None:

@@ -110,7 +110,7 @@ def node(*arguments: str) -> str:
 
 
 def compiled_flamenco_job(script: Path, settings: dict[str, Any]) -> Any:
-    """A Flamenco script's type of job, and the tasks that it makes of some settings and defaults of others."""
+    """A Flamenco script's type of job, and the tasks that it makes of settings, and of defaults."""
     stand_in = REPOSITORY / "tests/real/inside/flamenco.js"
     arguments = (str(stand_in), str(script), json.dumps(settings))
     program = shutil.which("node")
