@@ -10,8 +10,8 @@ from itertools import count
 
 from .tasks import Task
 
-STEPS = 100  # most steps of a farm, if that is possible: some programs take no more
-TASKS = 1000  # most tasks of a step: Slurm takes 1001 in an array, OpenJD 1024 values of a parameter
+STEPS = 100  # most steps of a farm, where TASKS allows it: there is a call of sbatch for each
+TASKS = 1000  # most tasks of a step: Slurm takes 1001 in an array by default, OpenJD 1024 of a parameter
 _LABEL = 40  # most letters of a bake in a step's name; OpenJD's limit is 64 in all
 
 

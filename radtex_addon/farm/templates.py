@@ -25,7 +25,7 @@ _SECONDS, _BEGIN = 10, 1200.0  # … as it does when a task takes so many times 
 
 def write_templates(files: FarmFiles, manifest: FarmManifest) -> None:
     """Write the templates into the farm's folder, with the farm's frame numbers."""
-    name = yaml_string(in_comment(f"RadTex {manifest.name[:_NAME_MOST]} {manifest.spec.kind}"))
+    name = yaml_string(f"RadTex {in_comment(manifest.name)[:_NAME_MOST]} {manifest.spec.kind}")
     frames = f"1-{manifest.sheets}" if manifest.sheets > 1 else "1"
     for source in (OPENJD, FLAMENCO, files.runner.name):
         _write(files.folder / source, source, NAME=name, FRAMES=frames)
@@ -35,7 +35,7 @@ def write_task_templates(farm: TaskFarm) -> None:
     """Write what does a farm's tasks, each after those that it needs, into its folder."""
     steps = steps_of(farm.tasks)
     title = farm.bakes[0].name if len(farm.bakes) == 1 else Path(farm.blend).stem or farm.scene
-    name = yaml_string(in_comment(f"RadTex {title[:_NAME_MOST]}"))
+    name = yaml_string(f"RadTex {in_comment(title)[:_NAME_MOST]}")
     last = " ".join(f"done/{task.name}.json" for task in farm.tasks if task.is_last)
     ends = _openjd_needs([step.name for step in steps if step.is_last])
     folder = farm.folder

@@ -228,6 +228,10 @@ echo '{{}}' > "$1/done/$2.json"
         "WORK": str(work),
         "ASSEMBLE": str(_program(tmp_path / "join", f"ls \"$1/done\" > '{tmp_path}/joined'")),
     }
+    with pytest.raises(subprocess.CalledProcessError) as full:
+        _submit(folder, variables | {"SBATCH_MOST": "3"}, "--partition=render")
+    assert "slurm.sh: sbatch refused Thing_0.light; what was submitted goes on" in full.value.stderr
+    assert len(list((folder / "done").iterdir())) == len((tmp_path / "order").read_text().split()) > 0
     _submit(folder, variables, "--partition=render")
     left = {task.name for task in farm.left()}
     assert "Thing_1.light.2" in left

@@ -12,6 +12,7 @@
 #
 # WORK: what does a task, to which the folder and the task's name are added.
 # ASSEMBLE: what joins the bakes in the end, to which the folder is added; empty leaves that to you.
+# Neither can have spaces in its paths.
 set -euo pipefail
 
 if [ "${1:-}" = --step ]; then # Slurm runs a task
@@ -34,7 +35,7 @@ step() {
     if [ -n "$wanted" ]; then
         [ "$number" = "$wanted" ] || return 0
         shift "$SLURM_ARRAY_TASK_ID"
-        echo "task $1 on $(hostname)"
+        echo "task $1 on $HOSTNAME"
         exec $command "$folder" "$1"
     fi
     for task in "$@"; do

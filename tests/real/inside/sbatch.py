@@ -3,7 +3,7 @@
 """A small stand-in for Slurm's sbatch: it runs a job's tasks at once, one after another.
 
 It takes the options that slurm.sh uses, as Slurm's manual describes them, refuses all others, and keeps a
-line of JSON for each job in $SBATCH_JOBS.
+line of JSON for each job in $SBATCH_JOBS. Where $SBATCH_MOST is given it takes no more jobs.
 """
 
 from __future__ import annotations
@@ -34,6 +34,8 @@ def main() -> None:
     record = Path(os.environ["SBATCH_JOBS"])
     before = [json.loads(line) for line in record.read_text().splitlines()] if record.exists() else []
     number = len(before) + 1
+    if number > int(os.environ.get("SBATCH_MOST", number)):
+        sys.exit("sbatch: error: Batch job submission failed: Job violates accounting/QOS policy")
     if not job.script.read_text().startswith("#!"):
         sys.exit("sbatch: error: This does not look like a batch script.")
     kind, *needs = (job.dependency or "afterok").split(":")
