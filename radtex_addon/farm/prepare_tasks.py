@@ -59,12 +59,15 @@ def check_farmed(bakes: Sequence[Bake]) -> None:
         )
 
 
-def tasks_folder(bakes: Sequence[Bake], out: Path) -> Path:
-    """The farm's folder: `<name>.<kind>.radtex-farm` of one bake, else named like the .blend."""
+def tasks_folder(bakes: Sequence[Bake], out: Path, blend: Path | None = None) -> Path:
+    """The farm's folder: `<name>.<kind>.radtex-farm` of one bake, else named like the .blend.
+
+    That is the file `blend`, by default the open one.
+    """
     if len(bakes) == 1:
         ((name, spec),) = bakes
         return OutputFiles.of(name, spec, out).sidecar.with_suffix(SUFFIX)
-    return out / f"{safe_name(open_blend().stem or 'scene')}{SUFFIX}"
+    return out / f"{safe_name((open_blend() if blend is None else blend).stem or 'scene')}{SUFFIX}"
 
 
 def prepare_tasks_steps(
@@ -74,23 +77,26 @@ def prepare_tasks_steps(
     *,
     preview: Filter | None = None,
     overwrite: bool = False,
+    blend: Path | None = None,
 ) -> Generator[FarmStep, None, PreparedTasks]:
     """Write a farm's folder into `out`, of bakes that were checked (`job.bake_plan.check_plans`).
 
-    Yields progress. No file of the user's changes, but **the session is empty afterwards**. On failure
-    nothing is left in the folder. Raises InputError for what cannot travel, BakeError for what fails.
+    `blend` is the file that the scene is of, by default the open one. Yields progress. No file of the user's
+    changes, but **the session is empty afterwards**. On failure nothing is left in the folder. Raises
+    InputError for what cannot travel, BakeError for what fails.
     """
     check_farmed(bakes)
     check_images_saved()
     check_caches_travel(scene)
-    folder = tasks_folder(bakes, out)
+    own = open_blend() if blend is None else blend
+    folder = tasks_folder(bakes, out, own)
     subjects = [_subject(scene, name, spec) for name, spec in bakes]
     reader, layer = SceneReader(scene), find_view_layer(scene, None)
     named = [
         replace(bake, fingerprint=reader.at(bake.spec.frame).of_bake(bake.name, bake.spec, layer))
         for bake in keyed(subjects)
     ]
-    blend, name = open_blend().name, scene.name
+    name = scene.name  # it is opened anew meanwhile
     with replacing_folder(folder, overwrite) as place:
         yield FarmStep(FarmTask.HOLD, 0, 2)
         draft = place / "draft.blend"
@@ -106,7 +112,7 @@ def prepare_tasks_steps(
             folder=place,
             job=secrets.token_hex(16),
             scene=name,
-            blend=blend,
+            blend=own.name,
             radtex=VERSION,
             blender=bpy.app.version_string,
             preview=preview,
