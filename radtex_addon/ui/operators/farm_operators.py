@@ -343,7 +343,7 @@ class RADTEX_OT_assemble_farm(MayWait, bpy.types.Operator):
         overwrite_any: bool
         filter_folder: bool
         _asked: tuple[str, ...]  # what the dialog says
-        _browsed: bool  # whether the folder was chosen in the file browser, which asks nothing
+        _browsed: bool  # whether the folder was chosen in the file browser
     else:
         _asked, _browsed = (), False
         directory: StringProperty(
@@ -426,11 +426,10 @@ class RADTEX_OT_assemble_farm(MayWait, bpy.types.Operator):
     def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
         from ...core.errors import InputError, RadTexError
 
-        if self._browsed:
+        if self._browsed and self.ask_for():  # the file browser asks nothing
             operators: Any = bpy.ops.radtex  # type: ignore[attr-defined]  # ours, not Blender's
-            chosen = {"directory": self.directory, "into": self.into}
-            found: set[OperatorReturnItems] = operators.assemble_farm("INVOKE_DEFAULT", **chosen)
-            return {"FINISHED"} if found == {"RUNNING_MODAL"} else found
+            operators.assemble_farm("INVOKE_DEFAULT", directory=self.directory, into=self.into)
+            return {"FINISHED"}
         try:
             farm, out = self._farm()
             if farm_jobs.is_busy(farm.folder):
