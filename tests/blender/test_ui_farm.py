@@ -27,10 +27,9 @@ from radtex_addon.ui.panel.farm_panel import RADTEX_PT_farm, told_prepared
 from radtex_addon.ui.panel.job_ends import end_of
 from radtex_addon.ui.panel.panel_state import mark_stale
 from radtex_addon.ui.settings.request import request_of, values_of
-from radtex_addon.worker.handover import Program
 from radtex_addon.worker.job import Job, JobState
 from radtex_addon.worker.kept_jobs import KeptJobs, left_lists
-from radtex_addon.worker.order import Work, farm_command
+from radtex_addon.worker.order import Program, Work, farm_command
 from tests.blender import stage
 from tests.blender.recorded_layout import RecordedLayout
 from tests.blender.ui_stage import context, finish_jobs, ops, preferences, registered, settings
@@ -114,9 +113,9 @@ def assembling(farm: Path, into: str = "", **choices: Any) -> Any:
 
 def drawn(job: Job) -> RecordedLayout:
     """The job's box in the list."""
-    layout: Any = RecordedLayout()
+    layout = RecordedLayout()
     jobs_panel._draw_job(layout, job)
-    return layout  # type: ignore[no-any-return]  # declared above
+    return layout
 
 
 def buttons(layout: RecordedLayout) -> dict[str, Any]:

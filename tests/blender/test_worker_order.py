@@ -238,7 +238,7 @@ def test_a_farm_arrives_as_it_was_ordered(tmp_path: Path) -> None:
 
 
 def test_an_assembly_arrives_as_it_was_ordered(tmp_path: Path) -> None:
-    farm = FOLDER / "raum.radtex-farm"
+    farm, line = FOLDER / "raum.radtex-farm", [""]
     for overwrite, overwrite_any in ((False, False), (True, False), (True, True)):
         asked = order_assembly(
             FOLDER,
@@ -251,7 +251,7 @@ def test_an_assembly_arrives_as_it_was_ordered(tmp_path: Path) -> None:
         request = understood(asked, tmp_path)
         assert (request.farm, request.folder) == (farm, FOLDER / "out")
         assert (request.overwrite, request.overwrite_any) == (overwrite, overwrite_any)
-    line = command_line(Program("/opt/blender", is_blender=True), asked, ORDER)
+        line = command_line(Program("/opt/blender", is_blender=True), asked, ORDER)
     assert line[line.index("--python-exit-code") + 2] == "--python-expr", "no file is opened"
 
 
