@@ -11,8 +11,9 @@ from pathlib import Path
 from ..core.sampler import Filter
 from ..farm.assemble_farm import Assembled, assemble_steps
 from ..farm.assemble_tasks import assemble_tasks_steps
+from ..farm.farm_files import tasks_file
 from ..farm.prepare_tasks import prepare_tasks_steps
-from ..farm.tasks import read_tasks, tasks_file
+from ..farm.tasks import read_tasks
 from ..formats.disk.memory import readable_size
 from ..job.variants import Bake, title_of
 from .interruption import Interruption

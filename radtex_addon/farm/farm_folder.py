@@ -13,9 +13,9 @@ from ..core.errors import FormatError, InputError
 from ..job.variants import Bake
 from ..store.bake_folder import BakeFolder, FolderState
 from ..store.ownership import Overwrite
-from .farm_files import SUFFIX, FarmFiles
+from .farm_files import SUFFIX, FarmFiles, is_farm, tasks_file
 from .farm_manifest import read_manifest
-from .tasks import read_tasks, tasks_file
+from .tasks import read_tasks
 
 
 @dataclass(frozen=True)
@@ -64,21 +64,22 @@ def read_farm_folder(folder: Path) -> FarmFolder:
 
 def check_no_farm(folder: Path) -> None:
     """Raises InputError where a farm's folder would go, and something else is there."""
-    if folder.exists() and not tasks_file(folder).is_file():
+    if folder.exists() and not is_farm(folder):
         raise InputError(
-            f"{folder} is already there, and has no tasks: move it, or choose another folder for the bakes"
+            f"{folder} is already there, and is no farm: move it, or choose another folder for the bakes"
         )
 
 
 def told_earlier(folder: Path) -> str:
-    """A sentence on the farm of tasks in `folder`, which would be replaced; "" if there is none."""
-    if not tasks_file(folder).is_file():
+    """A sentence on the farm in `folder`, which would be replaced; "" if there is none."""
+    if not is_farm(folder):
         return ""
     try:
         farm = read_farm_folder(folder)
     except (InputError, FormatError):
         return f"{folder.name} is there, of another version: it will be replaced"
-    return f"{folder.name} is there, with {farm.done} of {farm.tasks} tasks done: it will be replaced"
+    made = f"{farm.done} of {farm.tasks} tasks done" if farm.tasks else "the frames that were rendered"
+    return f"{folder.name} is there, with {made}: it will be replaced"
 
 
 def _there(place: BakeFolder) -> str:

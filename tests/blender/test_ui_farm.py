@@ -288,7 +288,7 @@ def test_what_is_refused_says_why(out: Path) -> None:
         ops.radtex.prepare_farm(what="ALL")
     own.use = False
     (out / "Card.radiance.radtex-farm").mkdir()
-    with pytest.raises(RuntimeError, match="and has no tasks: move it"):
+    with pytest.raises(RuntimeError, match="and is no farm: move it"):
         ops.radtex.prepare_farm(overwrite=True)
     assert list((out / "Card.radiance.radtex-farm").iterdir()) == []
     for item in list(context.scene.objects):
