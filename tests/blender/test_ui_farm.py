@@ -16,10 +16,13 @@ from typing import Any
 import bpy
 import pytest
 
+from radtex_addon.bake.progress import finished
 from radtex_addon.core.quoting import quoted
 from radtex_addon.farm.farm_folder import told_earlier
+from radtex_addon.farm.prepare_farm import prepare_steps
 from radtex_addon.farm.tasks import read_tasks
 from radtex_addon.job.bake_plan import plan_bakes
+from radtex_addon.settings.spec import BakeSpec
 from radtex_addon.ui.jobs import jobs
 from radtex_addon.ui.operators.farm_operators import RADTEX_OT_assemble_farm, RADTEX_OT_prepare_farm
 from radtex_addon.ui.panel import jobs_panel
@@ -31,6 +34,7 @@ from radtex_addon.worker.job import Job, JobState
 from radtex_addon.worker.kept_jobs import KeptJobs, left_lists
 from radtex_addon.worker.order import Program, Work, farm_command
 from tests.blender import stage
+from tests.blender.farming import render
 from tests.blender.recorded_layout import RecordedLayout
 from tests.blender.ui_stage import context, finish_jobs, ops, preferences, registered, settings
 
@@ -264,6 +268,22 @@ def test_assembling_asks_before_bakes_are_replaced(out: Path) -> None:
     assert not assembling(farm, str(elsewhere)).ask_for()
     assert ops.radtex.assemble_farm(directory=str(farm), into=str(elsewhere)) == {"FINISHED"}
     assert (elsewhere / "Card.radiance.json").is_file()
+
+
+@pytest.mark.one_blender
+def test_a_farm_of_frames_is_assembled_alike(out: Path) -> None:
+    spec = BakeSpec(texels=8, bucket=2, samples=1, device="cpu")
+    farm = finished(prepare_steps(context.scene, "Card", spec, out)).files.folder
+    told = f"{farm.name} is there, with the frames that were rendered: it will be replaced"
+    assert told_earlier(farm) == told
+    early = press(assembling(farm))
+    assert early.state is JobState.FAILED
+    assert "1 missing" in str(early.message)
+    render(farm, "1")
+    assembled = press(assembling(farm))
+    assert assembled.state is JobState.DONE, assembled.message
+    assert {path.name for path in assembled.files} == {"Card.radiance.exr", "Card.radiance.json"}
+    assert assembling(farm).ask_for(), "a bake is there now"
 
 
 @pytest.mark.one_blender
