@@ -169,9 +169,15 @@ def test_a_farm_from_the_panel_makes_the_files_of_a_bake(out: Path, tmp_path: Pa
     assert {"radtex.copy_farm_command", "radtex.assemble_farm"} <= buttons(box).keys()
     assert contents(out) == {}
 
+    button = SimpleNamespace(directory=str(farm))
+    tip = RADTEX_OT_assemble_farm.description(context, button)
+    assert tip.endswith(f"any others.\n0 of {count} tasks are done now")
     work(farm)
+    tip = RADTEX_OT_assemble_farm.description(context, button)
+    assert tip.endswith(f"{count} of {count} tasks are done now")
     assembled = press(assembling(farm))
     assert assembled.state is JobState.DONE, assembled.message
+    assert "radtex.assemble_farm" not in buttons(drawn(early)), "it was done since"
     assert contents(out) == whole
     assert {path.name for path in assembled.files} == whole.keys()
     assert buttons(drawn(assembled))["radtex.delete_bake"].object == "Card"

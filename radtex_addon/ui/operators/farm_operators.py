@@ -378,6 +378,23 @@ class RADTEX_OT_assemble_farm(MayWait, bpy.types.Operator):
             options={"SKIP_SAVE", "HIDDEN"},
         )
 
+    @classmethod
+    def description(cls, _: bpy.types.Context | None, properties: Any) -> str:
+        """The tooltip, and of a farm that is known how many of its tasks are done now."""
+        from ...core.errors import RadTexError
+        from ...farm.farm_folder import read_farm_folder
+
+        told = cls.__doc__ or ""
+        if not properties.directory:
+            return told
+        try:
+            farm = read_farm_folder(Path(bpy.path.abspath(properties.directory)))
+        except RadTexError as error:
+            return f"{told}.\n{remark(error)}"
+        if not farm.tasks:
+            return told
+        return iface_("{}.\n{} of {} tasks are done now").format(told, farm.done, farm.tasks)
+
     def invoke(
         self, context: bpy.types.Context | None, event: bpy.types.Event | None
     ) -> set[OperatorReturnItems]:

@@ -216,7 +216,7 @@ def _draw_failure(column: Any, job: Job) -> None:
     draw_text(column, remark(job.message, job.out), "BLANK1")
     texts = (iface_("Copy Report"), iface_("Report"))
     draw_button(column, "radtex.copy_report", "COPYDOWN", *texts).number = job.number
-    if job.work == "assembly":
+    if job.work == "assembly" and not jobs.is_superseded(job):
         offer_again(column, job)
 
 
