@@ -501,8 +501,9 @@ float radtex_covered(vec3 towards, vec3 ray, float width, vec4 across, vec4 up) 
     if (dot(up.xyz, up.xyz) == 0.0) {
         float along = dot(towards, ray), radius = dot(across.xyz, across.xyz);
         vec3 aside = towards / max(along, 1e-12) - ray;
-        float size = min(radius / max(dot(towards, towards) - radius, 1e-12), 1000.0) / (2.0 * width);
-        float away = min(dot(aside, aside), 1e6) / (2.0 * width), apart = away - size;
+        float sharp = 0.5 / max(width, 1e-6);
+        float size = min(radius / max(dot(towards, towards) - radius, 1e-12), 1000.0) * sharp;
+        float away = min(dot(aside, aside), 1e6) * sharp, apart = away - size;
         if (along <= 0.0) return 0.0;
         return 0.5 - 0.5 * (1.0 + apart) * inversesqrt(1.0 + 2.0 * (away + size) + apart * apart);
     }

@@ -442,8 +442,9 @@ fn radtex_covered(towards: vec3f, ray: vec3f, width: f32, across: vec4f, up: vec
         let along = dot(towards, ray);
         let radius = dot(across.xyz, across.xyz);
         let aside = towards / max(along, 1e-12) - ray;
-        let size = min(radius / max(dot(towards, towards) - radius, 1e-12), 1000.0) / (2.0 * width);
-        let away = min(dot(aside, aside), 1e6) / (2.0 * width);
+        let sharp = 0.5 / max(width, 1e-6);
+        let size = min(radius / max(dot(towards, towards) - radius, 1e-12), 1000.0) * sharp;
+        let away = min(dot(aside, aside), 1e6) * sharp;
         let apart = away - size;
         if along <= 0.0 { return 0.0; }
         return 0.5 - 0.5 * (1.0 + apart) * inverseSqrt(1.0 + 2.0 * (away + size) + apart * apart);

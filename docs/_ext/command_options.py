@@ -14,6 +14,7 @@ from radtex_addon.cli import (
     export_arguments,
     prepare_arguments,
     report_arguments,
+    work_arguments,
 )
 
 from .markdown import code, escaped, table, worded
@@ -24,6 +25,7 @@ _PARSERS: dict[str, Callable[[bool], argparse.ArgumentParser]] = {
     "report": report_arguments.build_parser,
     "compare": compare_arguments.build_parser,
     "prepare": prepare_arguments.build_parser,
+    "work": work_arguments.build_parser,
     "assemble": assemble_arguments.build_parser,
 }
 

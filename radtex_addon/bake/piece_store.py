@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -59,6 +59,25 @@ class PieceStore:
             kept = make()
             self.keep(name, kept)
         return kept
+
+    def share_of(self, names: Sequence[str]) -> Sequence[int]:
+        """Which of several pieces, by number, this process has to make: all, but for a farm's task."""
+        return range(len(names))
+
+
+class ShareDoneError(Exception):
+    """The pieces that this process has to make are stored, and others make the rest."""
+
+
+def in_shares(store: PieceStore, names: Sequence[str]) -> Iterator[int]:
+    """The numbers of the pieces with these names, which are independent, to be asked of the store in turn.
+
+    Raises ShareDoneError at the end where they are only a share of them.
+    """
+    share = store.share_of(names)
+    yield from share
+    if len(share) < len(names):
+        raise ShareDoneError
 
 
 NO_STORE = PieceStore()
@@ -115,3 +134,6 @@ class PrefixedStore(PieceStore):
 
     def place(self, path: Path) -> Path:
         return self._store.place(path)
+
+    def share_of(self, names: Sequence[str]) -> Sequence[int]:
+        return self._store.share_of([self._prefix + name for name in names])

@@ -29,9 +29,24 @@ from .run_compare import run_compare
 from .run_export import run_export
 from .run_prepare import run_prepare
 from .run_report import run_report
-from .run_work import parse_work, run_work
+from .run_task import run_tasks
+from .run_work import WorkRequest, parse_work, run_work
 from .terminal import tell
 from .wording import told, worded
+from .work_arguments import TaskRequest, is_of_tasks, parse_tasks
+
+
+def _parse_work(arguments: list[str], inside_blender: bool) -> WorkRequest | TaskRequest:
+    """Parse what follows `work`: a farm's folder and tasks, or the panel's order."""
+    parsed = parse_tasks if is_of_tasks(arguments) else parse_work
+    return parsed(arguments, inside_blender)
+
+
+def _run_work(request: WorkRequest | TaskRequest, report: Report, interruption: Interruption) -> None:
+    if isinstance(request, TaskRequest):
+        run_tasks(request, report, interruption)
+    else:
+        run_work(request, report, interruption)
 
 
 class _Command(NamedTuple):
@@ -47,7 +62,7 @@ _COMMANDS = {
     COMPARE: _Command(parse_compare, run_compare),
     PREPARE: _Command(parse_prepare, run_prepare),
     ASSEMBLE: _Command(parse_assemble, run_assemble),
-    WORK: _Command(parse_work, run_work),
+    WORK: _Command(_parse_work, _run_work),
 }
 _BAKE = _Command(parse, run_bake)
 

@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import os
-import shutil
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
@@ -20,10 +19,8 @@ from ..core.errors import Cancelled, InputError, RadTexError
 from ..core.messages import Message, Setting, do
 from ..core.uv_map import UvMap
 from ..formats.disk.atomic import check_writable
-from ..formats.disk.lock import release_all
 from ..formats.disk.memory import readable_size
 from ..formats.disk.path_checks import check_unicode
-from ..formats.disk.temporary import remove_open
 from ..forms.layered.capture.panoramas import pictures_shared
 from ..job import BakeResult
 from ..job.bake_plan import BakePlan, check_plans, steps_of_bakes
@@ -38,15 +35,14 @@ from ..textures.kept_exports import kept_exports
 from .arguments import Request
 from .asset_plans import asset_lines, atlases_of, plans_of
 from .collection_objects import with_collections
-from .failure import as_ours
+from .failure import as_ours, end_process
 from .interruption import INTERRUPTED, Interruption
 from .opening import open_asked
 from .reporting import Report
 from .run_export import export_again
 from .serving import address, serving
-from .terminal import tell
 from .whole_progress import WholeProgress, whole_progress
-from .wording import told, worded
+from .wording import told
 
 _NAME = 255  # most bytes in a file name
 
@@ -211,16 +207,7 @@ def _saying_how_to_resume(name: str, spec: BakeSpec, request: Request) -> Iterat
 
 def _leave(name: str, spec: BakeSpec, request: Request, report: Report) -> None:
     """End the process in the midst of a render, as a signal asks for: what is finished is kept."""
-    failure = _with_the_way_on(Cancelled(INTERRUPTED), name, spec, request)
-    try:
-        remove_open()
-        release_all()
-        shutil.rmtree(bpy.app.tempdir, ignore_errors=True)
-        report.event("error", **told(failure.message), exit_code=failure.exit_code)
-        report.close()
-        tell(f"radtex: {worded(failure.message)}")
-    finally:
-        os._exit(failure.exit_code)
+    end_process(_with_the_way_on(Cancelled(INTERRUPTED), name, spec, request), report)
 
 
 def _with_the_way_on(failure: RadTexError, name: str, spec: BakeSpec, request: Request) -> RadTexError:

@@ -14,6 +14,7 @@ from ..core.sampler import Filter
 from ..formats.json_reader import Facts
 from ..formats.sidecar_file import read_text
 from ..job.bake_request import BakeRequest
+from ..job.variants import Bake
 from ..report.side_by_side import ComparisonSpec
 from ..report.viewpoint import Viewpoint
 from ..settings.spec import spec_in
@@ -28,8 +29,11 @@ from .run_bake import run_bake
 from .run_compare import run_compare
 from .run_estimate import EstimateRequest, run_estimate
 from .run_export import OrderedExports, run_exports
+from .run_ordered_farm import OrderedAssembly, OrderedFarm, run_ordered_assembly, run_ordered_farm
 
-_Ordered: TypeAlias = Request | OrderedExports | CompareRequest | EstimateRequest
+_Ordered: TypeAlias = (
+    Request | OrderedExports | CompareRequest | EstimateRequest | OrderedFarm | OrderedAssembly
+)
 
 
 @dataclass(frozen=True)
@@ -50,7 +54,7 @@ def parse_work(arguments: list[str], inside_blender: bool) -> WorkRequest:
 
 
 def run_work(request: WorkRequest, report: Report, interruption: Interruption) -> None:
-    """Bake, export, compare or estimate as ordered. Raises RadTexError."""
+    """Bake, export, compare, estimate, or prepare or assemble a farm as ordered. Raises RadTexError."""
     ordered = read_order(request)
     if isinstance(ordered, Request):
         run_bake(ordered, report, interruption)
@@ -58,6 +62,10 @@ def run_work(request: WorkRequest, report: Report, interruption: Interruption) -
         run_estimate(ordered, report, interruption)
     elif isinstance(ordered, OrderedExports):
         run_exports(ordered, report, interruption)
+    elif isinstance(ordered, OrderedFarm):
+        run_ordered_farm(ordered, report, interruption)
+    elif isinstance(ordered, OrderedAssembly):
+        run_ordered_assembly(ordered, report, interruption)
     else:
         run_compare(ordered, report, interruption)
 
@@ -71,6 +79,8 @@ def read_order(request: WorkRequest) -> _Ordered:
         Work.EXPORT: _export,
         Work.COMPARISON: _comparison,
         Work.ESTIMATE: _estimate,
+        Work.PREPARATION: _preparation,
+        Work.ASSEMBLY: _assembly,
     }
     try:
         return read[work](facts, request)
@@ -89,7 +99,7 @@ def _bake(facts: Facts, request: WorkRequest) -> Request:
             spec=spec,
             folder=Path(facts.text("folder")),
             shared=name if spec.objects else None,
-            preview=None if _absent(facts, "preview") else Filter(facts.choice("preview", tuple(Filter))),
+            preview=_preview(facts),
             overwrite=facts.truth("overwrite"),
             overwrite_any="overwrite_any" in facts.values and facts.truth("overwrite_any"),
             blend=Path(facts.text("of_blend")) if "of_blend" in facts.values else None,
@@ -132,11 +142,38 @@ def _comparison(facts: Facts, request: WorkRequest) -> CompareRequest:
 
 
 def _estimate(facts: Facts, request: WorkRequest) -> EstimateRequest:
+    return EstimateRequest(bakes=_bakes(facts), **_of_scene(facts, request))
+
+
+def _preparation(facts: Facts, request: WorkRequest) -> OrderedFarm:
+    return OrderedFarm(
+        bakes=_bakes(facts),
+        folder=Path(facts.text("folder")),
+        preview=_preview(facts),
+        overwrite=facts.truth("overwrite"),
+        blend=Path(facts.text("of_blend")),
+        **_of_scene(facts, request),
+    )
+
+
+def _assembly(facts: Facts, _: WorkRequest) -> OrderedAssembly:
+    return OrderedAssembly(
+        farm=Path(facts.text("farm")),
+        folder=Path(facts.text("folder")),
+        overwrite=facts.truth("overwrite"),
+        overwrite_any=facts.truth("overwrite_any"),
+    )
+
+
+def _bakes(facts: Facts) -> tuple[Bake, ...]:
     specs = facts.inner("specs")
-    bakes = tuple(
+    return tuple(
         (name, spec_in(specs.inner(str(number)))) for number, name in enumerate(facts.texts("names"))
     )
-    return EstimateRequest(bakes=bakes, **_of_scene(facts, request))
+
+
+def _preview(facts: Facts) -> Filter | None:
+    return None if _absent(facts, "preview") else Filter(facts.choice("preview", tuple(Filter)))
 
 
 def _of_scene(facts: Facts, request: WorkRequest) -> dict[str, Any]:

@@ -21,7 +21,7 @@ from ..bake.light_samples import (
     cells_of,
     spread_shifts,
 )
-from ..bake.piece_store import NO_STORE, Arrays, PieceStore
+from ..bake.piece_store import NO_STORE, Arrays, PieceStore, in_shares
 from ..bake.plan import CapturePlan, Tile
 from ..bake.progress import Progress, Stage
 from ..bake.thumbnail import Thumbnail
@@ -31,7 +31,8 @@ from .passes import Passes, attributes_of, colour_of, light_of, raw_light_of
 from .path_ends import TURNS, PathEnds, any_dark, from_directions
 from .portal import Aim, PortalCapture
 
-_TILE_PIXELS = 3 << 20
+TILE_PIXELS = 3 << 20
+LIGHT, ENDS = "light", "ends"  # pieces begin with these and a hyphen
 _TEXELS_AT_ONCE = 1 << 12
 LOBES = {"diffuse": "diffuse", "mirrored": "glossy", "through": "transmission"}  # Cycles's names
 DIFFUSE, MIRRORED, THROUGH = map(attributes_of, LOBES.values())
@@ -56,10 +57,13 @@ def capture_samples(
     capture = PortalCapture(scene, plan, Kind.RADIANCE, 1, seed, folder, aim)
     samples: Arrays = {name: np.empty((count, cells, 3), dtype=np.float16) for name in LOBES}
     samples["colour"] = np.empty((count, 3), dtype=np.float32)
-    for tile in tiles_of(plan):
+    tiles = tiles_of(plan)
+    names = [_name(LIGHT, tile) for tile in tiles]
+    for number in in_shares(store, names):
+        tile = tiles[number]
         first = tile.first_row * plan.columns
         yield Progress(Stage.CAPTURE, first, count)
-        found = store.get_or_make(_name("light", tile), partial(_trace_light, capture, tile, cells))
+        found = store.get_or_make(names[number], partial(_trace_light, capture, tile, cells))
         for name, whole in samples.items():
             whole[first : first + len(found[name])] = found[name]
         if thumbnail is not None:
@@ -101,9 +105,11 @@ def capture_ends(
     aim = Aim(spread_shifts(count, seed + 2), MIRRORED + THROUGH)
     capture = PortalCapture(ends.scene, plan, Kind.RADIANCE, 1, seed, folder, aim)
     parts: Arrays = {}
-    for tile in tiles_of(plan):
-        first = tile.first_row * plan.columns
-        found = store.get_or_make(_name("ends", tile), partial(_trace_ends, ends, capture, tile))
+    tiles = tiles_of(plan)
+    names = [_name(ENDS, tile) for tile in tiles]
+    for number in in_shares(store, names):
+        first = tiles[number].first_row * plan.columns
+        found = store.get_or_make(names[number], partial(_trace_ends, ends, capture, tiles[number]))
         for name, part in found.items():
             whole = parts.setdefault(name, np.empty((count, cells, 3), dtype=np.float16))
             whole[first : first + len(part)] = part.reshape(len(part), cells, 3)
@@ -141,7 +147,7 @@ def straight_shifts(count: int) -> Floats:
 
 def tiles_of(plan: CapturePlan, samples: int = 1) -> list[Tile]:
     """The tiles in which a plan of so many `samples` for each ray is rendered."""
-    rows = max(1, _TILE_PIXELS // (plan.columns * plan.layout.bucket**2 * samples))
+    rows = max(1, TILE_PIXELS // (plan.columns * plan.layout.bucket**2 * samples))
     return [Tile(row, min(rows, plan.rows - row)) for row in range(0, plan.rows, rows)]
 
 

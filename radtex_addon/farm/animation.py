@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, cast
@@ -15,6 +15,7 @@ import bpy
 from ..core.errors import InputError
 
 _KEPT = ("alpha_mode", "use_half_precision", "use_view_as_render")
+_OF_IMAGES = ("TEX_IMAGE", "TEX_ENVIRONMENT")  # nodes
 _EMBEDDED = ("node_tree", "shape_keys")  # parts of data-blocks, with animation of their own
 
 
@@ -25,13 +26,31 @@ def hold_images(scene: bpy.types.Scene) -> None:
     """
     for tree in _trees():
         for node in tree.nodes:
-            if node.type in {"TEX_IMAGE", "TEX_ENVIRONMENT"} and node.image is not None:
+            if node.type in _OF_IMAGES and node.image is not None:
                 _hold(node, scene.frame_current)
             elif _reads_frame(node):
                 raise InputError(
                     f"node '{node.name}' of '{tree.name}' reads the scene's {node.attribute_name}: "
                     "put a number in its place, for a farm's frames are no time"
                 )
+
+
+def hold_sequences(frames: Collection[int]) -> None:
+    """Replace image sequences in nodes by the files of the only one of the `frames`.
+
+    Raises InputError for movies, for a sequence without that file, and for sequences where there are several
+    frames: no .blend holds them.
+    """
+    for tree in _trees():
+        for node in tree.nodes:
+            if node.type not in _OF_IMAGES or node.image is None:
+                continue
+            if node.image.source == "SEQUENCE" and len(frames) > 1:
+                raise InputError(
+                    f"image '{node.image.name}' is a sequence, of which a farm carries one picture: "
+                    "prepare each frame by itself"
+                )
+            _hold(node, min(frames))
 
 
 def _hold(node: Any, frame: int) -> None:

@@ -7,7 +7,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-_SUFFIX = ".radtex-farm"
+SUFFIX = ".radtex-farm"
+
+
+def tasks_file(folder: Path) -> Path:
+    """The file that lists the tasks of the farm in a folder."""
+    return folder / "tasks.json"
+
+
+def is_farm(folder: Path) -> bool:
+    """Whether a folder holds a farm, of frames or of tasks."""
+    return FarmFiles(folder).manifest.is_file() or tasks_file(folder).is_file()
 
 
 @dataclass(frozen=True)
@@ -19,7 +29,7 @@ class FarmFiles:
     @classmethod
     def of(cls, sidecar: Path) -> FarmFiles:
         """The farm beside the sidecar that its bake will have: `<name>.<kind>.radtex-farm`."""
-        return cls(sidecar.with_suffix(_SUFFIX))
+        return cls(sidecar.with_suffix(SUFFIX))
 
     @property
     def blend(self) -> Path:

@@ -257,15 +257,27 @@ def check_frame_count(count: int) -> None:
         )
 
 
+def renders_as_frames(spec: BakeSpec) -> bool:
+    """Whether machines without RadTex can render a bake, as frames of a .blend."""
+    try:
+        check_farmable(spec)
+    except InputError:
+        return False
+    return True
+
+
 def check_farmable(spec: BakeSpec) -> None:
-    """Raises InputError, with what to do instead, for a specification that a farm cannot bake."""
+    """Raises InputError, with what to do instead, for a specification that frames cannot bake."""
     if not spec.kind.traits.farm:
         fit = ", ".join(kind for kind, traits in KINDS.items() if traits.farm)
-        raise InputError(f"a farm bakes {fit}, not {spec.kind}: bake that without a farm")
+        raise InputError(
+            f"frames for machines without RadTex are of {fit}, not {spec.kind}: "
+            "that takes machines with RadTex"
+        )
     if not spec.form.farm:
         raise InputError(
-            f"a farm bakes the layout {Layout.BUCKETS}, not {spec.layout}, "
-            "whose captures build on one another: bake that without a farm"
+            f"frames for machines without RadTex are of layout {Layout.BUCKETS}, not {spec.layout}, "
+            "whose captures build on one another: that takes machines with RadTex"
         )
     if spec.incremental:
         raise InputError(

@@ -31,6 +31,8 @@ _CACHED = {  # modifiers whose results depend on frames before, or on files
     "SOFT_BODY",
 }
 _TRACKED = {"CAMERA_SOLVER", "FOLLOW_TRACK", "OBJECT_SOLVER", "TRANSFORM_CACHE"}  # constraints by the frame
+_ON_DISK = {"FLUID", "DYNAMIC_PAINT"}  # modifiers whose caches are files
+_BAKE_IT = "apply it (Object > Convert > Mesh), bake its cache into the .blend, or bake without a farm"
 _REMEDY = "apply what moves it (Object > Convert > Mesh, or Make Instances Real), or bake without a farm"
 
 
@@ -167,6 +169,32 @@ def _refuse_particles(item: Any, system: Any) -> None:
         raise InputError(f"object '{item.name}' emits particles ('{system.name}'): {_REMEDY}")
     if system.use_hair_dynamics:
         raise InputError(f"object '{item.name}': the hair '{system.name}' is simulated: {_REMEDY}")
+
+
+def check_caches_travel(scene: bpy.types.Scene) -> None:
+    """Raises InputError for simulations whose results are in files, or not baked."""
+    for item in _rendered(scene):
+        for modifier in item.modifiers:
+            if modifier.show_render and (fault := _cache_fault(modifier)):
+                raise InputError(
+                    f"object '{item.name}': {fault} of its modifier '{modifier.name}': {_BAKE_IT}"
+                )
+
+
+def _cache_fault(modifier: Any) -> str:
+    """Why a modifier's results do not travel with the .blend; "" if they do."""
+    if modifier.type in _ON_DISK:
+        return "no .blend holds the files"
+    cache = getattr(modifier, "point_cache", None)
+    if modifier.type == "PARTICLE_SYSTEM":
+        system = modifier.particle_system
+        dynamic = system.settings.type == "EMITTER" or system.use_hair_dynamics
+        cache = system.point_cache if dynamic else None
+    if cache is None:
+        return ""
+    if not cache.is_baked:
+        return "nothing is baked of the simulation"
+    return "no .blend holds the disk cache" if cache.use_disk_cache else ""
 
 
 def _rendered(scene: bpy.types.Scene) -> Iterable[Any]:

@@ -36,7 +36,7 @@ from ..settings.spec import BakeSpec
 from ..store.output_files import OutputFiles
 from ..store.ownership import Overwrite
 from .blend import check_images_saved, check_seed, finish_blend, save_draft
-from .farm_files import FarmFiles
+from .farm_files import FarmFiles, is_farm
 from .farm_manifest import Copies, FarmManifest, check_farmable, check_frame_count, write_plan
 from .farm_progress import AnyStep, FarmStep, FarmTask
 from .freeze_scene import Held, check_holdable
@@ -108,7 +108,7 @@ def prepare_steps(
     check_images_saved()
     check_holdable(scene)
     farm = FarmFiles.of(files.sidecar)
-    with _replacing_folder(farm, bool(overwrite)) as place:
+    with replacing_folder(farm.folder, bool(overwrite)) as place:
         inside = FarmFiles(place)
         inside.frames.mkdir()
         draft = _Draft(place / "draft.blend", inside.plan)
@@ -191,13 +191,12 @@ def _save_copies(
 
 
 @contextmanager
-def _replacing_folder(files: FarmFiles, overwrite: bool) -> Iterator[Path]:
+def replacing_folder(folder: Path, overwrite: bool) -> Iterator[Path]:
     """Yield a new folder that gets the farm's name on success, and is deleted on failure.
 
-    An earlier farm is replaced as a whole, or kept.
+    An earlier farm, of frames or of tasks, is replaced as a whole, or kept.
     """
-    folder = files.folder
-    if folder.exists() and not (overwrite and files.manifest.is_file()):
+    if folder.exists() and not (overwrite and is_farm(folder)):
         raise InputError(
             f"{folder} is already there",
             do("overwrite it", Setting.OVERWRITE),

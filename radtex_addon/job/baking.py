@@ -24,6 +24,7 @@ from ..core.sampler import Filter
 from ..cycles.device import use_device
 from ..export.exporting import export_steps
 from ..formats.disk.temporary import temporary_folder
+from ..formats.fingerprint import Fingerprint
 from ..formats.sidecar import check_readable
 from ..formats.sidecar_file import read_facts
 from ..forms import form_for
@@ -159,7 +160,7 @@ def bake_steps(
             known = place.publish_again(checkpoint, was_finished)
             made, triangles = known, None
             if known is None or shown is not None:
-                baker = None if known is None else _finished_baker(known)
+                baker = None if known is None else finished_baker(known)
                 with at_frame(scene, spec.frame), new_data_removed():
                     baked = yield from bake_unchecked(
                         scene,
@@ -197,7 +198,7 @@ def bake_steps(
     )
 
 
-def _finished_baker(known: BakeOutput) -> Baker:
+def finished_baker(known: BakeOutput) -> Baker:
     """A baker for a finished bake: bakes nothing. It raises InputError if the mesh has changed since."""
 
     def bake(job: BakeJob) -> Generator[Progress, None, Outcome]:
@@ -246,12 +247,14 @@ def bake_unchecked(
     baker: Baker | None = None,
     warns: bool = True,
     blend: Path | None = None,
+    fingerprint: Fingerprint | None = None,
 ) -> Generator[Progress, None, Baked]:
     """Bake as `bake_steps` does, but without checks, preview and exports; the caller removes the baked mesh.
 
     Where a bake of another object is shown in its place, the object is rendered, not its stored light. A
     `baker` replaces that of the specification's form, to make something else of the prepared objects. It
     `warns` of a UV map that wastes its atlas. `blend` is the scene's file, None for the open one.
+    The scene may be a copy of one with a `fingerprint` that was read before.
     """
     kept: list[bpy.types.ID] = []
     with (
@@ -276,7 +279,7 @@ def bake_unchecked(
         now, layer = read_originals(scratch), find_view_layer(scratch, None)
         prepared = replace(
             prepared,
-            fingerprint=fingerprint_of_bake(now, layer, name, spec, files),
+            fingerprint=fingerprint or fingerprint_of_bake(now, layer, name, spec, files),
             scene="" if spec.lights or spec.alone else f"{now.whole} {scratch.frame_current_final} {device}",
             blend=(open_blend() if blend is None else blend).name,
         )

@@ -9,7 +9,7 @@ from typing import Any
 import bpy
 
 from .jobs import estimates, jobs
-from .operators import apply_operators, keys, texels_operator
+from .operators import apply_operators, farm_operators, keys, texels_operator
 from .operators.bake_operator import RADTEX_OT_bake
 from .operators.browser_operator import RADTEX_OT_show_in_browser
 from .operators.changes_operator import RADTEX_OT_dismiss_changes, RADTEX_OT_show_changes
@@ -35,6 +35,7 @@ from .operators.scene_operator import RADTEX_OT_bake_scene
 from .operators.texels_operator import RADTEX_OT_show_texels
 from .panel import finished_panel, forecast, job_ends, list_panel, menus, panel_state
 from .panel.cost_panel import RADTEX_PT_cost
+from .panel.farm_panel import RADTEX_PT_farm
 from .panel.jobs_panel import RADTEX_PT_jobs
 from .panel.main_panel import RADTEX_PT_bake
 from .panel.settings_panels import (
@@ -89,6 +90,7 @@ CLASSES = (
     *apply_operators.CLASSES,
     RADTEX_OT_delete_bake,
     RADTEX_OT_forget_export,
+    *farm_operators.CLASSES,
     RADTEX_OT_preset_add,
     RADTEX_OT_preset_apply,
     RADTEX_PT_presets,
@@ -100,6 +102,7 @@ CLASSES = (
     RADTEX_PT_sampling,
     RADTEX_PT_output,
     RADTEX_PT_cost,
+    RADTEX_PT_farm,
     *finished_panel.CLASSES,
     *menus.CLASSES,
 )

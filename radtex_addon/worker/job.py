@@ -140,7 +140,7 @@ class Job:
         order = self.order
         if self.begun and order.work is Work.BAKE:
             order = replace(order, facts={**order.facts, "resume": True})
-        elif self.begun:  # an export: what there is of it was never finished
+        elif self.begun:  # an export, or of a farm: what there is of it was never finished
             order = replace(order, facts={**order.facts, "overwrite": True})
         return replace(self, order=order, state=JobState.WAITING, stage=None)
 

@@ -30,7 +30,9 @@ from .order import Order, Work
 log = logging.getLogger(__name__)
 
 _PREFIX = "radtex-list-"
-_KEPT = frozenset({Work.BAKE, Work.EXPORT})  # the results of others are for the session that asked
+_KEPT = frozenset(
+    {Work.BAKE, Work.EXPORT, Work.PREPARATION, Work.ASSEMBLY}
+)  # the results of others are for the session that asked
 _WORTH = frozenset({JobState.WAITING, JobState.RUNNING, JobState.LEFT, JobState.FAILED})
 _OLD = 30 * 24 * 3600.0  # seconds after which a list that nobody took over is deleted, with its folders
 

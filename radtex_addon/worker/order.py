@@ -12,6 +12,7 @@ from pathlib import Path
 from tempfile import mkstemp
 from typing import Any, TypeVar
 
+from ..core.quoting import quoted
 from ..formats.json_reader import json_text
 from ..settings.estimate import Estimate
 from ..settings.time_left import Course
@@ -59,6 +60,8 @@ class Work(StrEnum):
     EXPORT = "export"
     COMPARISON = "comparison"
     ESTIMATE = "estimate"
+    PREPARATION = "preparation"
+    ASSEMBLY = "assembly"
 
 
 @dataclass(frozen=True)
@@ -116,6 +119,12 @@ def write_order(order: Order) -> Path:
     with os.fdopen(descriptor, "w", encoding="utf-8") as file:
         file.write(text)
     return Path(name)
+
+
+def farm_command(program: Program, farm: Path) -> str:
+    """What to type to do the tasks of a farm that are left, by a program such as the one that runs RadTex."""
+    by = ["blender", "-b", "-P", str(_BAKE), "--"] if program.is_blender else ["python", str(_BAKE)]
+    return quoted([*by, WORK, str(farm)])
 
 
 def command_line(program: Program, order: Order, file: Path) -> list[str]:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..bake.progress import Stage
 from ..core.sampler import Filter
+from ..farm.farm_progress import FarmTask
 from ..job.variants import Bake, variant_of
 from ..report.report_progress import ReportTask
 from ..settings.bake_names import own_name
@@ -30,6 +31,13 @@ EXPORTING = "export"  # the stage of an export of several bakes, in bakes
 _EXPORT_SECONDS = 4.0  # of a usual export
 _EXPORT = {ExportTask.TEXTURES: 6, ExportTask.FLAT: 2, ExportTask.MESH: 1, ExportTask.PACK: 1}
 _COMPARISON = {ReportTask.REFERENCE: 20, ReportTask.COMPARE: 1}
+_PREPARATION_SECONDS = 10.0  # of a usual scene
+_ASSEMBLY = {
+    FarmTask.CHECK: 2,
+    Stage.EVALUATE: 1,
+    Stage.UNWRAP: 3,
+    Stage.RASTER: 1,
+}  # the last three of previews
 
 
 def order_bake(
@@ -190,15 +198,80 @@ def order_estimate(handover: Handover, bakes: Sequence[Bake]) -> Order:
         blend=handover.blend,
         facts={
             **_of_scene(handover),
-            "names": [name for name, _ in bakes],
-            "specs": {
-                str(number): facts_of(_on_device(spec, handover.device))
-                for number, (_, spec) in enumerate(bakes)
-            },
+            **_of_bakes(bakes, handover.device),
         },
         stages={MEASURING: 1.0},
         remedy="estimate again, if memory ran out with fewer texels, cells or samples",
     )
+
+
+def order_preparation(
+    handover: Handover,
+    bakes: Sequence[Bake],
+    farm: Path,
+    preview: Filter | None = None,
+    *,
+    overwrite: bool = False,
+) -> Order:
+    """The folder `farm` of tasks for these bakes, whose files go beside it: see `farm.prepare_tasks`."""
+    return Order(
+        work=Work.PREPARATION,
+        object=", ".join(dict.fromkeys(name for name, _ in bakes)),
+        folder=handover.folder,
+        out=farm.parent,
+        blend=handover.blend,
+        facts={
+            **_of_scene(handover),
+            **_of_bakes(bakes),
+            "farm": str(farm.absolute()),
+            "folder": str(farm.parent.absolute()),
+            "preview": None if preview is None else str(preview),
+            "overwrite": overwrite,
+            "of_blend": str(handover.original) if handover.original.name else "",
+        },
+        stages=parts({FarmTask.HOLD: 1}),
+        seconds=_PREPARATION_SECONDS,
+        remedy="prepare the farm again",
+    )
+
+
+def order_assembly(
+    folder: Path,
+    farm: Path,
+    names: Sequence[str],
+    out: Path,
+    *,
+    overwrite: bool = False,
+    overwrite_any: bool = False,
+) -> Order:
+    """The bakes `names` of the folder `farm` are to be put together, and to go to `out`.
+
+    `folder` is the worker's own.
+    """
+    return Order(
+        work=Work.ASSEMBLY,
+        object=", ".join(dict.fromkeys(names)),
+        folder=folder,
+        out=out,
+        facts={
+            "farm": str(farm.absolute()),
+            "folder": str(out.absolute()),
+            "names": list(names),
+            "overwrite": overwrite,
+            "overwrite_any": overwrite_any,
+        },
+        stages=parts(_ASSEMBLY),
+        seconds=float(sum(_ASSEMBLY.values())) * len(names),
+        remedy="assemble the farm again",
+    )
+
+
+def _of_bakes(bakes: Sequence[Bake], device: str = "auto") -> dict[str, Any]:
+    """Names and specifications, with the `device` in the place of `auto`."""
+    return {
+        "names": [name for name, _ in bakes],
+        "specs": {str(number): facts_of(_on_device(spec, device)) for number, (_, spec) in enumerate(bakes)},
+    }
 
 
 def _of_scene(handover: Handover) -> dict[str, Any]:

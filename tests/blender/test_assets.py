@@ -16,7 +16,6 @@ import pytest
 
 from radtex_addon.cli.arguments import parse
 from radtex_addon.cli.prepare_arguments import parse_prepare
-from radtex_addon.core.errors import InputError
 from radtex_addon.job.assets import Asset, asset_requests, find_assets, read_shown, spec_of_asset
 from radtex_addon.job.layout_choice import OpenLayout
 from radtex_addon.settings.spec import BakeSpec, Kind, Layout, Split, Unwrap
@@ -181,9 +180,8 @@ def test_texels_that_were_not_named_grow_with_the_objects(blend: Path, words: st
     assert [spec.texels for spec in asked] == texels
 
 
-def test_an_asset_cannot_be_prepared_for_a_farm_by_itself(blend: Path) -> None:
-    with pytest.raises(InputError, match="--together auto: a farm makes one atlas: name it"):
-        parse_prepare([str(blend), "--object=Foot", "--together=auto"], False)
+def test_a_farm_takes_assets(blend: Path) -> None:
+    assert parse_prepare([str(blend), "--object=Foot", "--together=auto"], False).bakes.assets
 
 
 @pytest.mark.one_blender

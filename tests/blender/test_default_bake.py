@@ -197,12 +197,18 @@ def test_what_is_there_is_accumulated_in_its_layout(tmp_path: Path, out: Path, b
 
 
 @pytest.mark.one_blender
-def test_a_farm_gets_buckets_and_says_why(tmp_path: Path, out: Path, batch: Batch) -> None:
+def test_a_farm_bakes_the_default_by_tasks_and_buckets_as_frames(
+    tmp_path: Path, out: Path, batch: Batch
+) -> None:
     prepare = ("prepare", saved(tmp_path), "--object", "Card", *QUICK, "--out", out)
     ended = batch(*prepare)
-    assert (ended.code, ended.err) == (0, f"{WHY}a farm renders no other\n")
+    assert (ended.code, ended.err) == (0, "")
+    farm = out / "Card.radiance.radtex-farm"
+    assert (farm / "tasks.json").is_file()
     ended = batch(*prepare, "--layout", "buckets", "--overwrite")
     assert (ended.code, ended.err) == (0, "")
+    assert (farm / "farm.blend").is_file()
+    assert not (farm / "tasks.json").exists()
 
 
 @pytest.fixture

@@ -120,7 +120,10 @@ def test_what_cannot_be_held_is_named(
 @pytest.mark.parametrize(
     ("settings", "words"),
     [
-        ({"kind": "shadow"}, "a farm bakes radiance, incident, reflection, proxy, not shadow"),
+        (
+            {"kind": "shadow"},
+            "frames for machines without RadTex are of radiance, incident, reflection, proxy, not shadow",
+        ),
         ({"layout": "layered", "bucket": 14}, "not layered, whose captures build on one another: bake that"),
         ({"kind": "incident", "capture": "panoramic"}, "leave the capture method out"),
         ({"accumulate": True}, "leave the accumulating and the refreshing out"),

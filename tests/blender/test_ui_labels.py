@@ -19,6 +19,7 @@ from radtex_addon.bake.progress import Stage
 from radtex_addon.cli import wording
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.messages import Message, Setting, do, leave_out
+from radtex_addon.farm.farm_progress import FarmTask
 from radtex_addon.job.variants import title_of, variant_of
 from radtex_addon.report.report_progress import ReportTask
 from radtex_addon.settings.options import CALLED
@@ -177,7 +178,7 @@ def test_text_is_measured_at_the_scale_of_the_interface(monkeypatch: pytest.Monk
 
 def test_every_stage_of_a_job_has_its_words() -> None:
     compared = {ReportTask.REFERENCE, ReportTask.COMPARE}
-    stages = {stage.value for stages in (Stage, ExportTask, compared) for stage in stages}
+    stages = {stage.value for stages in (Stage, ExportTask, compared, FarmTask) for stage in stages}
     assert set(labels.STAGES) == {*stages, EXPORTING}
     assert labels.stage(None) == "Starting"
     assert labels.stage("capture") == "Rendering the light"

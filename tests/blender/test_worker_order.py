@@ -41,9 +41,11 @@ from radtex_addon.worker.order import Handover, Order, Program, Work, command_li
 from radtex_addon.worker.orders import (
     EXPORTING,
     exported_part,
+    order_assembly,
     order_bake,
     order_comparison,
     order_export,
+    order_preparation,
     order_scene_export,
 )
 
@@ -220,6 +222,40 @@ def test_a_comparison_arrives_as_it_was_ordered(tmp_path: Path) -> None:
     assert asked.object == "--Vase, B"
 
 
+def test_a_farm_arrives_as_it_was_ordered(tmp_path: Path) -> None:
+    handover = replace(HANDOVER, images=FOLDER / "images", original=FOLDER / "raum.blend", device="optix")
+    bakes = [("--Vase", SPECS["every choice"]), ("Cup", BakeSpec()), ("Cup", SPECS["a frame"])]
+    farm = FOLDER / "out" / "raum.radtex-farm"
+    asked = order_preparation(handover, bakes, farm, Filter.NEAREST, overwrite=True)
+    request = understood(asked, tmp_path)
+    assert (request.bakes, request.folder, request.preview) == (tuple(bakes), FOLDER / "out", Filter.NEAREST)
+    assert request.bakes[1][1].device == "auto", "each machine of a farm has its own"
+    assert (request.overwrite, request.blend) == (True, FOLDER / "raum.blend")
+    assert (request.scene, request.in_scene) == (HANDOVER.blend, "-Scene")
+    assert (request.unsaved_images, request.parent_pipe) == (FOLDER / "images", True)
+    assert (asked.object, asked.out) == ("--Vase, Cup", FOLDER / "out")
+    plain = understood(order_preparation(HANDOVER, bakes[:1], farm), tmp_path)
+    assert (plain.preview, plain.overwrite, plain.blend) == (None, False, Path())
+
+
+def test_an_assembly_arrives_as_it_was_ordered(tmp_path: Path) -> None:
+    farm, line = FOLDER / "raum.radtex-farm", [""]
+    for overwrite, overwrite_any in ((False, False), (True, False), (True, True)):
+        asked = order_assembly(
+            FOLDER,
+            farm,
+            ["Vase", "Cup"],
+            FOLDER / "out",
+            overwrite=overwrite,
+            overwrite_any=overwrite_any,
+        )
+        request = understood(asked, tmp_path)
+        assert (request.farm, request.folder) == (farm, FOLDER / "out")
+        assert (request.overwrite, request.overwrite_any) == (overwrite, overwrite_any)
+        line = command_line(Program("/opt/blender", is_blender=True), asked, ORDER)
+    assert line[line.index("--python-exit-code") + 2] == "--python-expr", "no file is opened"
+
+
 @pytest.mark.parametrize(
     ("asked", "words"),
     [
@@ -228,6 +264,11 @@ def test_a_comparison_arrives_as_it_was_ordered(tmp_path: Path) -> None:
             "the export ended early (x): ",
         ),
         (order_bake(HANDOVER, "Vase", BakeSpec(), FOLDER), "the bake ended early (x): bake again, "),
+        (
+            order_preparation(HANDOVER, [("Vase", BakeSpec())], FOLDER / "Vase.radtex-farm"),
+            "the preparation ended early (x): prepare ",
+        ),
+        (order_assembly(FOLDER, FOLDER, ["Vase"], FOLDER), "the assembly ended early (x): assemble "),
     ],
 )
 def test_an_order_says_what_to_do_when_it_ended_early(asked: Order, words: str) -> None:

@@ -278,6 +278,18 @@ def test_rays_far_aside_of_a_lamp_and_behind_it_see_nothing_of_it() -> None:
             assert 0 <= found < 5e-4 * high, degrees
 
 
+@pytest.mark.parametrize("kind", ShapeKind)
+def test_a_lobe_without_width_sees_a_lamp_wholly_or_not_at_all(kind: ShapeKind) -> None:
+    """As where clear things turn no ray."""
+    up = np.zeros(3) if kind == ShapeKind.BALL else np.array([0, 0.2, 0])
+    shape = LampShape(kind, np.array([0.2, 0, 0]), up, 1.0)
+    turned = np.radians([0, 3, 8, 60])
+    axis = np.stack([np.sin(turned), np.zeros(4), np.cos(turned)]).astype(np.float32)
+    towards = np.tile(np.array([[0], [0], [2]], np.float32), (1, 4))
+    found = shape.covered(towards, axis, np.zeros(4, np.float32))
+    np.testing.assert_allclose(found, [1, 1, 0, 0], atol=1e-3)
+
+
 def test_a_small_lamp_beside_a_large_one_keeps_its_light() -> None:
     size, large, small = 512, 0.6, 0.04
     direction = cell_directions(size).astype(np.float32)

@@ -14,6 +14,7 @@ from typing import Any
 
 from radtex_addon.core.errors import InputError
 from radtex_addon.farm.farm_manifest import check_farmable
+from radtex_addon.farm.prepare_tasks import check_farmed
 from radtex_addon.settings.spec import BakeSpec, Kind, Layer, Layout
 from radtex_addon.settings.targets import check_target
 from radtex_addon.textures.export_spec import Target
@@ -64,7 +65,13 @@ def page() -> str:
     tables = [
         _table("baked with", {name: _baked(changes) for name, changes in OPTIONS.items()}, reasons),
         _table(
-            "rendered or exported by", {"a farm": _farmed, **{str(t): _exported(t) for t in Target}}, reasons
+            "rendered or exported by",
+            {
+                "a farm with RadTex": _farmed,
+                "a farm without RadTex": _framed,
+                **{str(t): _exported(t) for t in Target},
+            },
+            reasons,
         ),
     ]
     listed = "\n".join(f"{number}. {reason}" for reason, number in reasons.items())
@@ -79,6 +86,10 @@ def _baked(changes: dict[str, Any]) -> Check:
 
 
 def _farmed(row: dict[str, Any]) -> None:
+    check_farmed([("", _made(row))])
+
+
+def _framed(row: dict[str, Any]) -> None:
     check_farmable(_made(row))
 
 

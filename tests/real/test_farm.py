@@ -5,8 +5,6 @@
 from __future__ import annotations
 
 import hashlib
-import json
-import shutil
 import subprocess
 import sys
 from dataclasses import dataclass
@@ -22,7 +20,7 @@ from tests.blender import stage
 from tests.blender.farming import BOX, prepared
 from tests.real.nodes import BPY, OPENJD, NodeUnavailableError, ready_python
 from tests.real.root import REPOSITORY
-from tests.real.web import node
+from tests.real.web import compiled_flamenco_job
 
 FRAMES = 8
 SPEC = BakeSpec(kind=Kind.INCIDENT, texels=16, bucket=8, samples=2, seed=9, sheet=48, uv_layer="UVMap")
@@ -106,7 +104,8 @@ def test_openjd_renders_on_bare_nodes_and_repeats_what_failed(far: Far, tmp_path
 
 def test_flamenco_compiles_the_job(far: Far) -> None:
     settings = {"frames": "1-5,8", "chunk_size": 2, "blendfile": "/farm/box/farm.blend"}
-    made = _compiled(far.folder, settings)
+    script = far.folder / "radtex_farm.js"
+    made = compiled_flamenco_job(script, settings)
     assert made["type"]["label"] == "RadTex farm"
     tasks = made["tasks"]
     assert [task["name"] for task in tasks] == ["sheets-1-2", "sheets-3-4", "sheets-5,8"]
@@ -116,16 +115,6 @@ def test_flamenco_compiles_the_job(far: Far) -> None:
     assert command["parameters"]["args"] == ["--render-frame", "5,8"]
     assert tasks[0]["commands"][0]["parameters"]["args"] == ["--render-frame", "1..2"]
     assert {task["type"] for task in tasks} == {"blender"}
-    joined = _compiled(far.folder, settings | {"assemble": "/opt/join"})["tasks"][-1]
+    joined = compiled_flamenco_job(script, settings | {"assemble": "/opt/join"})["tasks"][-1]
     assert joined["dependencies"] == [task["name"] for task in tasks]
     assert joined["commands"] == [{"name": "exec", "parameters": {"exe": "/opt/join", "args": ["/farm/box"]}}]
-
-
-def _compiled(folder: Path, settings: dict[str, Any]) -> Any:
-    stand_in = REPOSITORY / "tests/real/inside/flamenco.js"
-    arguments = (str(stand_in), str(folder / "radtex_farm.js"), json.dumps(settings))
-    program = shutil.which("node")
-    if program is None:
-        return json.loads(node("node", *arguments))
-    run = subprocess.run([program, *arguments], check=True, capture_output=True, text=True)
-    return json.loads(run.stdout)

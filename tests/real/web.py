@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
 import subprocess
@@ -106,6 +107,17 @@ def node(*arguments: str) -> str:
     command = [str(programs / arguments[0]), *arguments[1:]]
     run = subprocess.run(command, cwd=SOURCES, env=variables, check=True, capture_output=True, text=True)
     return run.stdout
+
+
+def compiled_flamenco_job(script: Path, settings: dict[str, Any]) -> Any:
+    """A Flamenco script's type of job, and the tasks that it makes of settings, and of defaults."""
+    stand_in = REPOSITORY / "tests/real/inside/flamenco.js"
+    arguments = (str(stand_in), str(script), json.dumps(settings))
+    program = shutil.which("node")
+    if program is None:
+        return json.loads(node("node", *arguments))
+    run = subprocess.run([program, *arguments], check=True, capture_output=True, text=True)
+    return json.loads(run.stdout)
 
 
 @cache

@@ -13,6 +13,9 @@ from typing import TYPE_CHECKING, TypeAlias
 if TYPE_CHECKING:
     from ...worker.job import Job
 
+_NOTED = frozenset({"bake", "export", "preparation", "assembly"})  # work whose files stay
+_FOLDERS = frozenset({"export", "preparation"})  # work that makes folders
+
 _Mark: TypeAlias = tuple[int, ...] | None  # tells a file from one that was put in its place; None: not there
 
 
@@ -37,8 +40,8 @@ _known = _Known()
 
 
 def note(job: Job) -> None:
-    """Remember the files of a bake or an export that has just been done."""
-    if job.state != "done" or job.work not in ("bake", "export"):
+    """Remember the files of a bake, an export or a farm that has just been done."""
+    if job.state != "done" or job.work not in _NOTED:
         return
     _known.marks[job.number] = {path: _mark(path) for path in job.files if _is_own(job, path)}
     _known.sizes[job.number] = tuple(path.stat().st_size for path in job.files if path.is_file())
@@ -81,7 +84,7 @@ def unregister() -> None:
 
 def _is_own(job: Job, path: Path) -> bool:
     """Whether the file is what the job is about: of a bake its preview, which its owner may edit, is not."""
-    return job.work == "export" or not (path.is_dir() or path.name.endswith(".preview.blend"))
+    return job.work in _FOLDERS or not (path.is_dir() or path.name.endswith(".preview.blend"))
 
 
 def _fate(marks: dict[Path, _Mark]) -> Fate:

@@ -26,7 +26,7 @@ _DRAWN = 0.3  # seconds until a sidebar that was opened is drawn
 
 
 class RADTEX_OT_cancel(bpy.types.Operator):
-    """End a bake, a comparison or an export that runs or waits; the scene is what it was"""
+    """End a bake, a comparison, an export or a farm's job that runs or waits; the scene is what it was"""
 
     bl_idname = "radtex.cancel"
     bl_label = "Cancel"

@@ -23,7 +23,13 @@ if TYPE_CHECKING:
 TAB = "RadTex"  # of the sidebar
 _ROOM = 220.0  # pixels of a 3D view's header for the line
 _header: Any = bpy.types.VIEW3D_HT_header  # the stubs type append's argument too narrowly
-_DONE = {"bake": "Baked {}", "comparison": "Compared {}", "export": "Exported {}"}
+_DONE = {
+    "bake": "Baked {}",
+    "comparison": "Compared {}",
+    "export": "Exported {}",
+    "preparation": "Prepared {} for a farm",
+    "assembly": "Assembled {}",
+}
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,7 @@ from ...settings.menu_items import KINDS, TARGETS
 from ..jobs import browser, job_files, jobs, pictures
 from ..jobs.job_files import Fate
 from ..operators.switch import draw_show, draw_small_switch
+from .farm_panel import offer_again, offer_prepared, told_prepared
 from .fitting import draw_button, draw_text, draw_title, fitting, side_by_side, sidebar_room
 from .labels import duration, iface_, number, remark, size, stage, time_left_briefly, time_left_of
 from .main_panel import Sidebar
@@ -34,8 +35,20 @@ _ICONS = {
     "cancelled": "CANCEL",
     "left": "PAUSE",
 }
-_RUNNING = {"bake": "RENDER_STILL", "comparison": "IMAGE_REFERENCE", "export": "EXPORT"}
-_TITLES = {"bake": "{}", "comparison": "{}, compared", "export": "{} for {}"}
+_RUNNING = {
+    "bake": "RENDER_STILL",
+    "comparison": "IMAGE_REFERENCE",
+    "export": "EXPORT",
+    "preparation": "NETWORK_DRIVE",
+    "assembly": "PACKAGE",
+}
+_TITLES = {
+    "bake": "{}",
+    "comparison": "{}, compared",
+    "export": "{} for {}",
+    "preparation": "{}, for a farm",
+    "assembly": "{}, from a farm",
+}
 _FATES = {
     Fate.GONE: "Its files are no longer there",
     Fate.REPLACED: "Other files have replaced its own since",
@@ -48,7 +61,7 @@ _PICTURE = 8.0  # size of a job's thumbnail, relative to a button's height
 
 
 class RADTEX_PT_jobs(Sidebar, bpy.types.Panel):
-    """Bakes, comparisons and exports that wait, run or have ended"""
+    """Bakes, comparisons, exports and farms that wait, run or have ended"""
 
     bl_label = "Jobs"
     bl_parent_id = "RADTEX_PT_bake"
@@ -126,8 +139,8 @@ def job_title(job: Job) -> str:
         job.order.called or job.object, part=job.order.part, kind=kind, variant=job.order.variant
     )
     folders = set(job.order.facts.get("folders", ()))  # of a scene all bakes have the same
-    if len(folders) > 1:
-        name = iface_("{} bakes").format(len(folders))
+    if (count := len(folders or job.order.facts.get("names", ()))) > 1:
+        name = iface_("{} bakes").format(count)
     title = iface_(_TITLES[job.work]).format(name, _TARGETS.get(about, ""))
     if _is_of_other_file(job):
         return f"{title} ({_file_of(job)})"
@@ -198,9 +211,16 @@ def _draw_ended(column: Any, job: Job) -> None:
     elif _can_resume(job):
         _ask_to_resume(draw_button(row, "radtex.bake", "PLAY", iface_("Resume"), share=share), job)
     if job.state == "failed":
-        draw_text(column, remark(job.message, job.out), "BLANK1")
-        texts = (iface_("Copy Report"), iface_("Report"))
-        draw_button(column, "radtex.copy_report", "COPYDOWN", *texts).number = job.number
+        _draw_failure(column, job)
+
+
+def _draw_failure(column: Any, job: Job) -> None:
+    """Draw why a job failed, and what can be done about it."""
+    draw_text(column, remark(job.message, job.out), "BLANK1")
+    texts = (iface_("Copy Report"), iface_("Report"))
+    draw_button(column, "radtex.copy_report", "COPYDOWN", *texts).number = job.number
+    if job.work == "assembly" and not jobs.is_superseded(job):
+        offer_again(column, job)
 
 
 def _ask_to_resume(button: Any, job: Job) -> None:
@@ -244,7 +264,7 @@ def results(job: Job, others: Iterable[Job]) -> list[str]:
     told = [] if job.took is None else [duration(job.took)]
     if (fate := job_files.fate(job.number)) is not Fate.THERE:
         return [*told, iface_(_FATES[fate])]
-    sizes = job_files.sizes(job.number) if job.work == "bake" else ()
+    sizes = job_files.sizes(job.number) if job.work in ("bake", "assembly") else ()
     if sizes:
         told.append(iface_("{} in {} files").format(size(sum(sizes)), len(sizes)))
     if job.work == "export" and "bytes" in job.facts:
@@ -253,6 +273,8 @@ def results(job: Job, others: Iterable[Job]) -> list[str]:
     if compared is not None:
         told.append(iface_("{:.1f} dB").format(compared.facts["psnr"]))
     lines = [", ".join(told)] if told else []
+    if job.work == "preparation":
+        lines += told_prepared(job.facts)
     if clamped := job.facts.get("clamped"):
         text = iface_(
             "{} values were brighter than the file holds, and were cut off (32-bit Floats keeps them)"
@@ -375,4 +397,19 @@ def _offer_export(column: Any, job: Job) -> None:
     draw_action(column, "radtex.open_folder", fit=True).directory = str(opened)
 
 
-_OFFERS = {"bake": _offer_bake, "comparison": _offer_comparison, "export": _offer_export}
+def _offer_assembly(column: Any, job: Job) -> None:
+    """Draw a bake's buttons, or for several where they are found."""
+    if len(job.order.facts["names"]) == 1:
+        _offer_bake(column, job)
+        return
+    draw_text(column, iface_("Finished Bake shows them, once they are chosen"), "INFO")
+    draw_action(column, "radtex.open_folder", fit=True).directory = str(job.out)
+
+
+_OFFERS = {
+    "bake": _offer_bake,
+    "comparison": _offer_comparison,
+    "export": _offer_export,
+    "preparation": offer_prepared,
+    "assembly": _offer_assembly,
+}

@@ -37,7 +37,7 @@ LABELS: dict[str, str] = {
     Setting.OVERWRITE_ANY: "Overwrite Any",
     Setting.PIXELS: "Pixels",
 }
-STAGES = {  # labels of the stages of bakes, exports and comparisons
+STAGES = {  # labels of the stages of bakes, exports, comparisons and farms
     "evaluate": "Reading the mesh",
     "unwrap": "Unwrapping",
     "raster": "Laying out the texture",
@@ -56,6 +56,8 @@ STAGES = {  # labels of the stages of bakes, exports and comparisons
     "export": "Exporting",
     "reference": "Rendering the original",
     "compare": "Comparing",
+    "hold": "Preparing the farm",
+    "check": "Checking the farm's files",
 }
 
 

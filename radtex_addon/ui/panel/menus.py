@@ -10,9 +10,14 @@ import bpy
 
 from ..operators.switch import draw_switch
 from ..settings.preferences import draw_links
+from .labels import iface_
 from .next_buttons import bake_buttons, draw_action, draw_buttons
 from .panel_state import Forecast, cached_forecast
 
+_FARM = (
+    ("radtex.prepare_farm", "Prepare for a Farm…", "NETWORK_DRIVE"),
+    ("radtex.assemble_farm", "Assemble a Farm…", "PACKAGE"),
+)
 _object_menu: Any = bpy.types.VIEW3D_MT_object  # the stubs type append's argument too narrowly
 
 
@@ -35,6 +40,9 @@ class RADTEX_MT_object(bpy.types.Menu):
         layout.operator_menu_enum("radtex.make_asset", "shader", icon="ASSET_MANAGER")
         for operator in ("radtex.compare", "radtex.show_in_browser", "radtex.export", "radtex.delete_bake"):
             draw_action(layout, operator)
+        layout.separator()
+        for operator, text, icon in _FARM:
+            layout.operator(operator, text=iface_(text), icon=icon, translate=False)
         layout.separator()
         layout.operator_menu_enum("radtex.list_add", "what")
         layout.separator()

@@ -5,7 +5,8 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Generator, Iterable, Mapping
+from collections.abc import Generator, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, cast
@@ -38,16 +39,17 @@ from ..fit.light_map import PLACES, LightMap
 from ..fit.through import lets_through
 from ..lookup.environment import Around, Shell
 from ..samples import ExitSamples, LayeredSamples, OwnRays
-from .enclosed import enclosed
+from .enclosed import enclosed, is_clear
 from .exits import capture_exits
 from .gloss_maps import capture_gloss, sharpest_width, within_texels
 from .lamps import find_lamps, refuse_negative_lamps
 from .light_map import capture_light_map
 from .material_maps import capture_maps, depends_on_angle
 from .misled_rays import find_misled
-from .opacity import find_opacity
+from .opacity import Opacity, find_opacity
 from .own_rays import SurfaceUV, capture_own_rays, own_aim, own_samples, sides_of
 from .panoramas import look_around, share_for
+from .parts import Part
 from .room import Room, find_room
 from .source_rays import capture_source_rays
 from .stored_surroundings import around_of, arrays_of
@@ -90,6 +92,33 @@ def capture_layered(
     in the `thumbnail`. Yields progress, in milliseconds of what is typical. Raises InputError where no texel
     is covered or the objects are clear everywhere, BakeError where Cycles fails.
     """
+    with _captures(scratch, prepared, spec, folder, store, thumbnail, around, surroundings) as captures:
+        return (yield from captures.all())
+
+
+def capture_part(
+    scratch: bpy.types.Scene, prepared: Prepared, spec: BakeSpec, folder: Path, store: PieceStore, part: Part
+) -> Generator[Progress, None, None]:
+    """Make the pieces of one part of what `capture_layered` captures, or this process's share of them.
+
+    The store has all that the part needs. Yields progress. Raises as `capture_layered`, and ShareDoneError
+    where these are only a share.
+    """
+    with _captures(scratch, prepared, spec, folder, store) as captures:
+        yield from captures.only(part)
+
+
+@contextmanager
+def _captures(
+    scratch: bpy.types.Scene,
+    prepared: Prepared,
+    spec: BakeSpec,
+    folder: Path,
+    store: PieceStore,
+    thumbnail: Thumbnail | None = None,
+    around: Around | None = None,
+    surroundings: float = 1.0,
+) -> Iterator[_Captures]:
     originals = [item for item, _ in prepared.rendered]
     meshes = [mesh for _, mesh in prepared.rendered]
     refuse_negative_lamps(scratch)
@@ -97,10 +126,46 @@ def capture_layered(
     matrices = matrices_in_renders(scratch, originals)
     bodies = tuple(map(Body, originals, meshes, matrices))
     with surface_alone(originals, meshes, prepared.panes) as clear:
-        captures = _Captures(
+        yield _Captures(
             scratch, prepared, bodies, spec, folder, store, thumbnail, clear, around, surroundings
         )
-        return (yield from captures.all())
+
+
+@dataclass(frozen=True, eq=False)
+class _Ready:
+    """What is known before the first path is traced.
+
+    `lit` is the plan of the light's K texels, which are those of `texels` but those `without` samples, by
+    their flat indices; of these the plan `coarse` has some more, the `unseen` (K, m, m) cells of `lit` show
+    nothing. `reach` is the objects' middle (3,) and the radius of a sphere around them. They are `passing`
+    if they are part of the `room`. `faces` (F,) are the numbers of the materials; `triangle` (K,) of the
+    texels. The maps in `fine_maps` have `fine_texels`, the hidden cells were `probed` at so many.
+    """
+
+    texels: TexelMap
+    without: Ints
+    rays: LayeredRays
+    lit: CapturePlan
+    coarse: CapturePlan
+    unseen: Bools
+    opacity: Opacity
+    reach: tuple[Floats, float]
+    room: Room | None
+    passing: bool
+    fine_maps: dict[str, Floats]
+    coarse_maps: dict[str, Floats]
+    triangle: Ints
+    faces: Ints
+    fine_texels: int
+    probed: int
+    times: LayeredTimes
+    bar: StageParts
+
+    @property
+    def material(self) -> Ints:
+        """The numbers of the materials of the light's texels, (K,)."""
+        found: Ints = self.faces[self.triangle]
+        return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,6 +182,69 @@ class _Captures:
     surroundings: float = 1.0
 
     def all(self) -> Generator[Progress, None, Captured]:
+        ready = yield from self._ready()
+        bar, lit, rays = ready.bar, ready.lit, ready.rays
+        yield bar.at("ends")
+        lone = self._ends(ready)
+        light = yield from self._light(ready)
+        light_map = yield from self._light_map(ready, light)
+        yield bar.at("own")
+        own = self._own(ready)
+        own = replace(own, rays=replace(own.rays, plan=lit))
+        yield bar.end()
+        through = lone is not None and lets_through(lone, light)
+        if lone is not None:
+            lone = replace(lone, plan=lit)  # all plans have the same texels, and each takes memory
+        own, around, exits, looked = yield from self._surrounded(ready, own, through)
+        capture = ready.opacity.bare(
+            LayeredSamples(
+                light,
+                lone,
+                own,
+                around,
+                ready.fine_maps,
+                ready.coarse_maps,
+                ready.material,
+                exits,
+                light_map,
+                passing=ready.passing,
+            )
+        )
+        of_ends = 0 if self.known is not None else rays.ends
+        paths = len(lit.texel) * (rays.light**2 + 2 * of_ends**2 + 1) + ready.fine_texels
+        paths += ready.probed * PROBES * PROBE_CELLS**2 + looked + ready.opacity.rays + own.traced
+        paths += 0 if exits is None else 3 * exits.weight.size
+        paths += 0 if light_map is None else light_map.paths
+        return Captured(capture, ready.faces, ready.triangle, paths, own.hit.size)
+
+    def only(self, part: Part) -> Generator[Progress, None, None]:
+        """Make the pieces of one part, or this process's share of them; those that it needs are stored."""
+        ready = yield from self._ready()
+        if part is Part.ENDS:
+            self._ends(ready)
+        elif part is Part.LIGHT:
+            yield from self._light(ready)
+        elif part is Part.MORE_LIGHT:
+            yield from self._light_map(ready, (yield from self._light(ready)))
+        elif part is Part.OWN:
+            self._own(ready)
+        elif part is not Part.MAPS:
+            through = any(is_clear(body.original) for body in self.bodies)
+            if through:
+                lone, light = self._ends(ready), (yield from self._light(ready))
+                through = lone is not None and lets_through(lone, light)
+                del lone, light
+            with enclosed(self.scratch, self.bodies if through else ()) as inside:
+                if part is Part.AROUND:
+                    self._around(ready, inside, through)
+                elif part is Part.MISLED:
+                    around, _ = self._around(ready, inside, through)
+                    self._with_misled(ready, self._own(ready), around, inside, through)
+                elif through:
+                    self._exits(ready, inside)
+
+    def _ready(self) -> Steps[_Ready]:
+        """What is known before the first path is traced."""
         scratch, prepared, spec, folder = self.scratch, self.prepared, self.spec, self.folder
         bodies, rays = self.bodies, LayeredRays.of(spec.samples)
         texels, side = prepared.texels(), max(prepared.width, prepared.height)
@@ -128,64 +256,37 @@ class _Captures:
         coarse = plan_capture(texels, 1, without=without)
         opacity = find_opacity(scratch, bodies, self.clear, coarse, fine, spec.seed, folder, self.store)
         without = np.concatenate([without, opacity.cut_out])
-
-        def plan(cells: int) -> CapturePlan:
-            return plan_capture(texels, cells, without=without)
-
-        lit = plan(rays.light)
-        count = len(lit.texel)
+        lit = plan_capture(texels, rays.light, without=without)
         middle, radius = reach_of(lit)
         if prepared.part is not None or prepared.source is not None:
             radius = max(radius, *(_radius_around(body.places, middle) for body in bodies))
         of_ends = 0 if self.known is not None else rays.ends
-        paths = count * (rays.light**2 + 2 * of_ends**2 + 1) + len(fine.texel)
-        times = LayeredTimes(count, replace(rays, ends=of_ends), self.surroundings)
+        times = LayeredTimes(len(lit.texel), replace(rays, ends=of_ends), self.surroundings)
         bar = StageParts(Stage.CAPTURE, times.capture)
         yield bar.at("maps")
         room, passing = self._room(lit)
-        faces = prepared.surface.material_numbers
         fine_maps = self._fine_maps(fine, triangle)
-        coarse_maps = self._maps("coarse", plan(1))
-        del fine, triangle  # they are as large as what is captured
-        yield bar.at("ends")
-        lone = None if self.known is not None else self._ends(plan(rays.ends), middle, passing)
-
-        unseen = hidden.of_texels(np.isin(probe.texel, lit.texel)).cells
-        material = texels.triangle.ravel()[lit.texel]
-        within = self._within(plan(1), material, PLACES) if opacity.fine is None else None
-        light, light_map = yield from self._light(lit, within, unseen, coarse_maps, faces[material], bar)
-        yield bar.at("own")
-        if prepared.source is None:
-            own = self._own_rays(plan(own_side(count)), texels.own_triangle.ravel()[lit.texel], opacity.fine)
-        else:
-            own = self._source_rays(plan(own_side(count)), coarse, opacity.coarse)
-        own = replace(own, rays=replace(own.rays, plan=lit))
-        yield bar.end()
-        through = lone is not None and lets_through(lone, light)
-        if lone is not None:
-            lone = replace(lone, plan=lit)  # all plans have the same texels, and each takes memory
-        found = yield from self._surrounded(
-            own, lit, plan(own_side(count)), (middle, radius), through, times, room, coarse_maps
+        coarse_maps = self._maps("coarse", plan_capture(texels, 1, without=without))
+        return _Ready(
+            texels=texels,
+            without=without,
+            rays=rays,
+            lit=lit,
+            coarse=coarse,
+            unseen=hidden.of_texels(np.isin(probe.texel, lit.texel)).cells,
+            opacity=opacity,
+            reach=(middle, radius),
+            room=room,
+            passing=passing,
+            fine_maps=fine_maps,
+            coarse_maps=coarse_maps,
+            triangle=texels.triangle.ravel()[lit.texel],
+            faces=prepared.surface.material_numbers,
+            fine_texels=len(fine.texel),
+            probed=len(probe.texel),
+            times=times,
+            bar=bar,
         )
-        own, around, exits, looked = found
-        capture = opacity.bare(
-            LayeredSamples(
-                light,
-                lone,
-                own,
-                around,
-                fine_maps,
-                coarse_maps,
-                faces[material],
-                exits,
-                light_map,
-                passing=passing,
-            )
-        )
-        paths += len(probe.texel) * PROBES * PROBE_CELLS**2 + looked + opacity.rays + own.traced
-        paths += 0 if exits is None else 3 * exits.weight.size
-        paths += 0 if light_map is None else light_map.paths
-        return Captured(capture, faces, material, paths, own.hit.size)
 
     def _covered(self, plan: CapturePlan, texels: TexelMap) -> Steps[Bools]:
         """Which texels of a plan are under, behind or inside a neighbour, (K,); see `covered_texels`."""
@@ -198,34 +299,23 @@ class _Captures:
         return cast(Bools, kept["texels"])
 
     def _surrounded(
-        self,
-        own: OwnRays,
-        lit: CapturePlan,
-        own_plan: CapturePlan,
-        reach: tuple[Floats, float],
-        through: bool,
-        times: LayeredTimes,
-        room: Room | None,
-        maps: dict[str, Floats],
+        self, ready: _Ready, own: OwnRays, through: bool
     ) -> Steps[tuple[OwnRays, Around, ExitSamples | None, int]]:
         """Own rays with the misled ones, what surrounds the objects, what leaves them, and its paths.
 
-        `reach`: their middle and radius; `through`: they let light through; the `room` that they stand in;
-        `maps` are those of the texels' materials.
+        `through`: the objects let light through.
         """
-        share = self.surroundings
-        if room is not None and not through:  # of rough things, which take most of their time there
-            share *= share_for(sharpest_width(self.bodies, maps.get("width")))
+        times = ready.times
         bar = StageParts(Stage.SURROUNDINGS, times.around_clear if through else times.around)
         yield bar.at("pictures")
         with enclosed(self.scratch, self.bodies if through else ()) as inside:
-            around, looked = self._around(lit, *reach, inside, room, share)
+            around, looked = self._around(ready, inside, through)
             exits = None
             if through:
                 yield bar.at("exits")
-                exits = self._exits((*self.bodies, *inside), *reach, times.rays.exits)
+                exits = self._exits(ready, inside)
             yield bar.at("misled")
-            own = self._with_misled(own, own_plan, around, inside, times.rays.light**2 // 4, room)
+            own = self._with_misled(ready, own, around, inside, through)
         yield bar.end()
         return own, around, exits, looked
 
@@ -246,35 +336,41 @@ class _Captures:
         found = find_room(self.scratch, baked, plan.points, facet, self.spec.seed)
         return found, found is not None and bool(found.shown)
 
-    def _light(
-        self,
-        lit: CapturePlan,
-        within: Iterable[CapturePlan] | None,
-        unseen: Bools,
-        maps: dict[str, Floats],
-        material: Ints,
-        bar: StageParts,
-    ) -> Steps[tuple[LightSamples, LightMap | None]]:
-        """The light, as `capture_samples`, and its light map; `within` as there, None for no map."""
-        seed, folder, store = self.spec.seed, self.folder, self.store
+    def _light(self, ready: _Ready) -> Steps[LightSamples]:
+        """The light, as `capture_samples`."""
+        seed, folder, store, bar = self.spec.seed, self.folder, self.store, ready.bar
         with scene_copied(self.scratch) as copy:
-            steps = capture_samples(copy, lit, unseen, seed, folder, store, self.thumbnail)
+            steps = capture_samples(copy, ready.lit, ready.unseen, seed, folder, store, self.thumbnail)
             light = yield from relayed(steps, lambda step: bar.at("light", step.done / step.total))
-        light = self._lit(replace(light, through=without_zeros(light.through)))
-        yield bar.at("more light")
-        if within is None:  # where an object is clear, paths along the normal tell too little
-            return light, None
-        colour = maps["diffuse"].reshape(-1, 3)[lit.texel].astype(np.float32)
-        more = capture_light_map(self.scratch, light, within, colour, material, seed, folder, store)
-        found = yield from relayed(more, lambda step: bar.at("more light", step.done / step.total))
-        return light, found
+        return self._lit(replace(light, through=without_zeros(light.through)))
 
-    def _ends(self, plan: CapturePlan, middle: Floats, passing: bool) -> EndSamples:
-        """Paths through the object; `passing` it if they would meet it after it has mirrored them."""
+    def _light_map(self, ready: _Ready, light: LightSamples) -> Steps[LightMap | None]:
+        """The map of the light; None where an object is clear: paths along the normal tell too little."""
+        bar, lit = ready.bar, ready.lit
+        yield bar.at("more light")
+        if ready.opacity.fine is not None:
+            return None
+        within = self._within(self._plan(ready, 1), ready.triangle, PLACES)
+        colour = ready.coarse_maps["diffuse"].reshape(-1, 3)[lit.texel].astype(np.float32)
+        seed, folder, store = self.spec.seed, self.folder, self.store
+        more = capture_light_map(self.scratch, light, within, colour, ready.material, seed, folder, store)
+        return (yield from relayed(more, lambda step: bar.at("more light", step.done / step.total)))
+
+    def _ends(self, ready: _Ready) -> EndSamples | None:
+        """Paths through the objects, past them where they are part of a room; None for more samples."""
+        if self.known is not None:
+            return None
+        plan, (middle, _) = self._plan(ready, ready.rays.ends), ready.reach
         with scene_copied(self.scratch) as copy, path_ends(copy, self.bodies, (), middle) as ends:
-            for item in ends.copies if passing else ():
+            for item in ends.copies if ready.passing else ():
                 item.visible_glossy = False
             return _lean(capture_ends(ends, plan, self.spec.seed, self.folder, self.store))
+
+    def _plan(self, ready: _Ready, cells: int) -> CapturePlan:
+        return plan_capture(ready.texels, cells, without=ready.without)
+
+    def _own_plan(self, ready: _Ready) -> CapturePlan:
+        return self._plan(ready, own_side(len(ready.lit.texel)))
 
     def _within(
         self, plan: CapturePlan, triangle: Ints, *places: Iterable[tuple[float, float]]
@@ -308,56 +404,49 @@ class _Captures:
 
         return dict(self.store.get_or_make(f"maps-{name}", capture))
 
-    def _own_rays(self, plan: CapturePlan, triangle: Ints, alpha: Floats | None) -> OwnRays:
-        prepared = self.prepared
+    def _own(self, ready: _Ready) -> OwnRays:
+        """What the objects show of themselves."""
+        prepared, plan, opacity = self.prepared, self._own_plan(ready), ready.opacity
+        triangle = ready.texels.own_triangle.ravel()[ready.lit.texel]
 
         def capture() -> Arrays:
+            seed, folder = self.spec.seed, self.folder
             with scene_copied(self.scratch) as copy:
-                found = capture_own_rays(
-                    copy, self.bodies, [_uvs(piece, prepared) for piece in prepared.pieces], plan,
-                    prepared.surface, triangle, self.spec.seed, self.folder, alpha, prepared.uv_layer,
-                )  # fmt: skip
+                if prepared.source is not None:
+                    found = capture_source_rays(
+                        copy, self.bodies, plan, ready.coarse, opacity.coarse, seed, folder
+                    )
+                else:
+                    found = capture_own_rays(
+                        copy, self.bodies, [_uvs(piece, prepared) for piece in prepared.pieces], plan,
+                        prepared.surface, triangle, seed, folder, opacity.fine, prepared.uv_layer,
+                    )  # fmt: skip
             return _own_arrays(found)
 
-        return self._own_of(plan, self.store.get_or_make("own", capture))
-
-    def _source_rays(self, plan: CapturePlan, everywhere: CapturePlan, alpha: Floats) -> OwnRays:
-        def capture() -> Arrays:
-            with scene_copied(self.scratch) as copy:
-                found = capture_source_rays(
-                    copy, self.bodies, plan, everywhere, alpha, self.spec.seed, self.folder
-                )
-            return _own_arrays(found)
-
-        return self._own_of(plan, self.store.get_or_make("own", capture))
+        return self._own_of(plan, self.store.get_or_make(Part.OWN, capture))
 
     def _own_of(self, plan: CapturePlan, kept: Mapping[str, Any]) -> OwnRays:
         hit = cast(Bools, kept["hit"])
         samples = own_samples(plan, own_aim(plan, self.spec.seed), hit)
         return OwnRays(samples, hit, cast(Ints, kept["met"]), kept["place"], kept.get("light"))
 
-    def _around(
-        self,
-        plan: CapturePlan,
-        middle: Floats,
-        radius: float,
-        inside: tuple[Body, ...],
-        room: Room | None,
-        share: float,
-    ) -> tuple[Around, int]:
+    def _around(self, ready: _Ready, inside: tuple[Body, ...], through: bool) -> tuple[Around, int]:
         """What surrounds the objects, and those `inside` them, and how many paths that took.
 
-        In pictures whose size is a `share` of the usual.
+        `through`: they let light through.
         """
         if self.known is not None:
             return self.known, 0
+        (middle, radius), room, share = ready.reach, ready.room, self.surroundings
+        if room is not None and not through:  # of rough things, which take most of their time there
+            share *= share_for(sharpest_width(self.bodies, ready.coarse_maps.get("width")))
 
         def capture() -> Arrays:
             baked = [body.original for body in self.bodies]
             known_as = "" if any(self.prepared.panes) else self.prepared.scene  # panes are clear to all rays
             unseen = [*baked, *(body.original for body in inside)]
             with scene_copied(self.scratch) as copy:
-                lamps = find_lamps(copy, baked, plan, middle, self.folder, room)
+                lamps = find_lamps(copy, baked, ready.lit, middle, self.folder, room)
             with scene_copied(self.scratch) as copy:
                 seen = look_around(
                     copy, unseen, middle, radius, self.folder, self.spec.seed, share, room, known_as
@@ -365,49 +454,51 @@ class _Captures:
             around = Around(middle, seen.world, seen.layers, lamps)
             return arrays_of(around) | {"paths": np.array([seen.paths], dtype=np.int64)}
 
-        kept = self.store.get_or_make("around", capture)
+        kept = self.store.get_or_make(_named(Part.AROUND, through), capture)
         return around_of(kept), int(kept["paths"][0])
 
     def _with_misled(
-        self,
-        own: OwnRays,
-        plan: CapturePlan,
-        around: Around,
-        inside: tuple[Body, ...],
-        most: int,
-        room: Room | None,
+        self, ready: _Ready, own: OwnRays, around: Around, inside: tuple[Body, ...], through: bool
     ) -> OwnRays:
         """The own rays, and those that the surroundings would show wrongly; see `find_misled`.
 
         Without those that meet the objects where the pictures of a room show them.
         """
+        room, most = ready.room, ready.rays.light**2 // 4
 
         def capture() -> Arrays:
             seed, folder, unseen = self.spec.seed, self.folder, (*self.bodies, *inside)
             if room is not None:
                 unseen = tuple(body for body in unseen if body.original not in room.shown)
+            plan = self._own_plan(ready)
             found = find_misled(self.scratch, unseen, around, own.hit, plan, most, seed, folder)
             return {} if found is None else vars(found)
 
-        kept = self.store.get_or_make("misled", capture)
+        kept = self.store.get_or_make(_named(Part.MISLED, through), capture)
         if not kept:
             return own
         bare = own.without(cast(Bools, kept["shown"]))
         asked = cast("Bools | None", kept.get("asked"))  # bakes that were begun earlier lack it
         return bare.with_misled(cast(Bools, kept["rays"]), kept["place"], kept["light"], asked)
 
-    def _exits(self, bodies: tuple[Body, ...], middle: Floats, radius: float, times: int) -> ExitSamples:
+    def _exits(self, ready: _Ready, inside: tuple[Body, ...]) -> ExitSamples:
         side = max(self.prepared.width, self.prepared.height)
         plan = plan_capture(self.prepared.texels(1 / coarser(side)), EXIT_CELLS)
+        bodies, times = (*self.bodies, *inside), ready.rays.exits
 
         def capture() -> Arrays:
             found = capture_exits(
-                self.scratch, bodies, middle, radius, plan, times, self.spec.seed, self.folder
+                self.scratch, bodies, *ready.reach, plan, times, self.spec.seed, self.folder
             )
             parts = ("weight", "direction", "place", "colour")
             return {name: getattr(found, name) for name in parts}
 
-        return ExitSamples(plan, **self.store.get_or_make("exits", capture))
+        return ExitSamples(plan, **self.store.get_or_make(Part.EXITS, capture))
+
+
+def _named(part: Part, through: bool) -> str:
+    """A piece's name: pictures and misled rays are others where the objects let light through."""
+    return f"{part}-through" if through else part
 
 
 def _own_arrays(own: OwnRays) -> Arrays:

@@ -5,8 +5,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
+from itertools import groupby
 from math import isqrt
 from pathlib import Path
 from typing import Any
@@ -18,7 +19,7 @@ from mathutils.kdtree import KDTree
 
 from ....bake.denoising import Denoiser
 from ....bake.light_samples import LightSamples
-from ....bake.piece_store import Arrays, PieceStore
+from ....bake.piece_store import Arrays, PieceStore, in_shares
 from ....bake.plan import CapturePlan, Tile, plan_of_picked
 from ....bake.pooling import Neighbours
 from ....bake.progress import Progress, Stage, Steps
@@ -35,6 +36,7 @@ from ..fit.diffuse import DARK
 from ..fit.light_map import PLACES, LightMap, RoughLight, filled, nearer
 from .room import things_of
 
+MORE_LIGHT = "more-light"  # pieces begin with it and a hyphen
 _SEEDS = (101, 103)  # beyond the bake's: of the two halves of the paths
 _INWARDS = 0.98  # of the way to points within a texel, so that none lies on its triangle's edge
 _LIFTED = 0.1  # of the way to a point within a texel, by which a ray to it starts off the surface
@@ -101,23 +103,46 @@ def _traced(
     done, total = 0, int(wanted.sum())
     sheet = max(1, plan.sheet // isqrt(points.shape[1]))  # its image of starts is as large as other sheets
     single = replace(plan, layout=replace(plan.layout, bucket=1), sheet=sheet)
-    for number in np.unique(wanted[wanted > 0]).tolist():
+    renders = _renders(single, wanted)
+    names = [render.name for render in renders]
+    shares = (renders[index] for index in in_shares(store, names))
+    for number, some in groupby(shares, key=lambda render: render.number):
         texels = np.flatnonzero(wanted == number)
-        some = plan_of_picked(single, texels)
-        samples = number // 2
+        plan_of_them, samples = plan_of_picked(single, texels), number // 2
         with scene_copied(scratch) as copy:
             aim = Aim(straight_shifts(len(texels)), DIFFUSE, points[texels])
-            capture = PortalCapture(copy, some, Kind.RADIANCE, samples, seed, folder, aim)
-            for half, step in enumerate(_SEEDS):
-                capture.reseed(seed + step)
-                parts = []
-                for tile in tiles_of(some, samples):
-                    yield Progress(Stage.CAPTURE, done, total)
-                    name = f"more-light-{number}-{half}-{tile.first_row:06d}"
-                    parts.append(store.get_or_make(name, partial(_trace, capture, tile))["light"])
-                    done += len(parts[-1]) * samples
-                found[half, texels] = np.concatenate(parts)
+            capture = PortalCapture(copy, plan_of_them, Kind.RADIANCE, samples, seed, folder, aim)
+            for render in some:
+                capture.reseed(seed + _SEEDS[render.half])
+                yield Progress(Stage.CAPTURE, done, total)
+                light = store.get_or_make(render.name, partial(_trace, capture, render.tile))["light"]
+                first = render.tile.first_row * plan_of_them.columns
+                found[render.half, texels[first : first + len(light)]] = light
+                done += len(light) * samples
     yield Progress(Stage.CAPTURE, total, total)
+    return found
+
+
+@dataclass(frozen=True)
+class _Render:
+    """A tile of the texels of which so large a `number` of paths is wanted, in one of their halves."""
+
+    number: int
+    half: int
+    tile: Tile
+
+    @property
+    def name(self) -> str:
+        """The name of its piece."""
+        return f"{MORE_LIGHT}-{self.number}-{self.half}-{self.tile.first_row:06d}"
+
+
+def _renders(plan: CapturePlan, wanted: Ints) -> list[_Render]:
+    """All renders of those of a plan's texels of which paths are `wanted` (K,)."""
+    found = []
+    for number in np.unique(wanted[wanted > 0]).tolist():
+        tiles = tiles_of(plan_of_picked(plan, np.flatnonzero(wanted == number)), number // 2)
+        found += [_Render(number, half, tile) for half in range(len(_SEEDS)) for tile in tiles]
     return found
 
 

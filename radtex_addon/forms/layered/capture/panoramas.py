@@ -6,16 +6,18 @@ from __future__ import annotations
 
 import logging
 import math
-from collections.abc import Collection, Hashable, Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from hashlib import sha256
 from pathlib import Path
-from typing import Any, cast
+from typing import Any, Protocol, cast
 
 import bpy
 import numpy as np
 from mathutils import Euler, Matrix, Vector
 
+from ....bake.piece_store import PieceStore
 from ....core.arrays import Floats, Ints
 from ....core.errors import BakeError
 from ....core.sampler import bilinear
@@ -63,7 +65,47 @@ class _Seen:
     place: Floats
 
 
-_RUNS: list[dict[Hashable, _Seen]] = []  # what rooms' eyes see in runs of bakes, by what it depends on
+class Views(Protocol):
+    """What rooms' eyes have seen in a run of bakes, by what that depends on."""
+
+    def find(self, key: str) -> _Seen | None: ...
+
+    def keep(self, key: str, seen: _Seen) -> None: ...
+
+
+class _LatestViews:
+    """The latest views, in memory."""
+
+    def __init__(self) -> None:
+        self._kept: dict[str, _Seen] = {}
+
+    def find(self, key: str) -> _Seen | None:
+        seen = self._kept.pop(key, None)
+        if seen is not None:
+            self._kept[key] = seen  # the last to be left out
+        return seen
+
+    def keep(self, key: str, seen: _Seen) -> None:
+        while len(self._kept) >= _KEPT:
+            del self._kept[next(iter(self._kept))]
+        self._kept[key] = seen
+
+
+@dataclass(frozen=True, eq=False)
+class StoredViews:
+    """All views, as pieces of a store."""
+
+    store: PieceStore
+
+    def find(self, key: str) -> _Seen | None:
+        piece = self.store.found(key)
+        return None if piece is None else _Seen(piece["light"], piece["place"])
+
+    def keep(self, key: str, seen: _Seen) -> None:
+        self.store.keep(key, {"light": seen.light, "place": seen.place})
+
+
+_RUNS: list[Views] = []  # of runs of bakes
 
 
 @dataclass(frozen=True, eq=False)
@@ -197,9 +239,12 @@ class Panoramas:
 
 
 @contextmanager
-def pictures_shared() -> Iterator[None]:
-    """Within the context, bakes of one scene render a room's picture once: between them nothing is edited."""
-    _RUNS.append({})
+def pictures_shared(views: Views | None = None) -> Iterator[None]:
+    """Within the context, bakes of one scene render a room's picture once: between them nothing is edited.
+
+    They are kept in memory, or in other `views`.
+    """
+    _RUNS.append(_LatestViews() if views is None else views)
     try:
         yield
     finally:
@@ -305,19 +350,17 @@ class _Look:
     def _known(self, things: Near, room: Room) -> tuple[_Seen | None, int]:
         """What a room's eye sees, None if nothing, and how many paths that took."""
         names = sorted(item.name_full for item in things.objects)
-        key = (self.known_as, *names, room.eye.tobytes(), self.seed, self.width)
-        kept = _RUNS[-1] if _RUNS and self.known_as else {}
-        seen = kept.pop(key, None)
+        told = repr((self.known_as, *names, room.eye.tobytes(), self.seed, self.width))
+        key = f"view-{sha256(told.encode()).hexdigest()}"
+        views: Views = _RUNS[-1] if _RUNS and self.known_as else _LatestViews()
+        seen = views.find(key)
         if seen is not None:
-            kept[key] = seen  # the last to be left out
             return seen, 0
         with self._camera(things, room.size) as camera:
             seen = _view(camera, self.width, room.eye)
         if not seen.light[..., 3].any():
             return None, camera.paths
-        while len(kept) >= _KEPT:
-            del kept[next(iter(kept))]
-        kept[key] = seen
+        views.keep(key, seen)
         return seen, camera.paths
 
     @contextmanager

@@ -23,6 +23,7 @@ from ....core.arrays import Floats
 SHARP = 8.0  # times the width² of a lamp's size: that of lobes which see its shape
 MOST_SHARP = 0.04  # and no more than that: wide lobes are not flat
 TINY = 1e-12
+SHARPEST = 1e-6  # radians²: no lobe is narrower to a ball, as where clear things turn no ray
 FAR = 1e3  # times the distance to a ball: what lies further aside is not on it
 SIDES = 12  # of the polygon for a disc
 DISC = float(np.sqrt(2 * np.pi / SIDES / np.sin(2 * np.pi / SIDES)))  # its radius: as large as the disc
@@ -88,7 +89,8 @@ class LampShape:
             radius = float(self.across @ self.across)
             wide = radius / np.maximum((towards * towards).sum(axis=0) - radius, TINY)
             apart = np.minimum((aside * aside).sum(axis=0), FAR * FAR)
-            found = _disc(apart / (2 * variance), np.minimum(wide, FAR) / (2 * variance))
+            wider = 2 * np.maximum(variance, SHARPEST)
+            found = _disc(apart / wider, np.minimum(wide, FAR) / wider)
             return cast(Floats, np.where(along > 0, found, 0).astype(np.float32))
         blunt = np.sqrt(2 * variance) - 1
         seen = []

@@ -12,7 +12,17 @@ import numpy as np
 from ....core.arrays import Floats
 from ....scene.nodes import NodeBuilder, Socket, close_group, open_group
 from ..lookup.environment import Lamp
-from ..lookup.lamp_shapes import ANGLE, BRIGHTEST, FAR, MOST_SHARP, SHARP, TINY, LampShape, ShapeKind
+from ..lookup.lamp_shapes import (
+    ANGLE,
+    BRIGHTEST,
+    FAR,
+    MOST_SHARP,
+    SHARP,
+    SHARPEST,
+    TINY,
+    LampShape,
+    ShapeKind,
+)
 from .images import constant
 
 
@@ -91,7 +101,7 @@ def _ball_covered(
     aside = build.vector("SUBTRACT", build.vector("SCALE", towards, ahead), axis)
     radius = float(shape.across @ shape.across)
     size = build.math("DIVIDE", radius, build.math("MAXIMUM", build.math("SUBTRACT", squared, radius), TINY))
-    sharp = build.math("DIVIDE", 0.5, spread)
+    sharp = build.math("DIVIDE", 0.5, build.math("MAXIMUM", spread, SHARPEST))
     away = build.math("MINIMUM", build.vector("DOT_PRODUCT", aside, aside), FAR * FAR)
     away, size = build.math("MULTIPLY", away, sharp), build.math("MINIMUM", size, FAR)
     size = build.math("MULTIPLY", size, sharp)

@@ -1,0 +1,128 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Move what a farm's tasks have made to where a bake on one machine would have written it."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Generator
+from pathlib import Path
+
+from ..bake.piece_store import PieceStore
+from ..bake.progress import Stage, Stopwatch
+from ..core.errors import BakeError, FormatError
+from ..formats.disk.atomic import check_writable, refusal
+from ..forms.layered.capture.parts import Part
+from ..job.baking import BakeResult, bake_unchecked, finished_baker
+from ..job.previews import save_preview_of
+from ..scene.scratch import at_frame, new_data_removed
+from ..store.bake_folder import BakeFolder
+from ..store.output_files import BakeOutput
+from ..store.ownership import Overwrite
+from .assemble_farm import Assembled
+from .farm_progress import AnyStep, FarmStep, FarmTask
+from .run_task import open_scene, pieces_of
+from .tasks import WHOLE, FarmBake, TaskFarm
+
+_STAGES = {WHOLE: Stage.FIT, Part.MAPS: Stage.PROBE} | dict.fromkeys(
+    (Part.AROUND, Part.EXITS, Part.MISLED), Stage.SURROUNDINGS
+)  # all others are captures
+_NAMED = 12  # most tasks that are named
+
+
+def assemble_tasks_steps(
+    farm: TaskFarm, out: Path | None = None, *, overwrite: bool = False, overwrite_any: bool = False
+) -> Generator[AnyStep, None, tuple[Assembled, ...]]:
+    """Check that all bakes are done, and write their files into `out`, by default beside the farm's folder.
+
+    If previews were asked for, **the farm's scene is open afterwards**. `overwrite` replaces no better bake
+    and none of another .blend without `overwrite_any`. Yields progress. Raises BakeError, which names the
+    tasks that are to be done, if not all are; InputError for files that would be overwritten; then nothing is
+    written.
+    """
+    out = farm.folder.absolute().parent if out is None else out
+    yield from _check(farm)
+    check_writable(out)
+    replaces = Overwrite(overwrite, overwrite_any, Path(farm.blend))
+    places = [_place(farm, bake, out) for bake in farm.bakes]
+    for place in places:
+        place.check_may_write(replaces)
+    made = [_write(farm, bake, place, replaces) for bake, place in zip(farm.bakes, places, strict=True)]
+    if farm.preview is not None:
+        for bake, output in zip(farm.bakes, made, strict=True):
+            yield from _save_preview(farm, bake, output)
+    return tuple(
+        Assembled(bake.name, bake.spec, BakeResult(**vars(output), seconds=_seconds(farm, bake)))
+        for bake, output in zip(farm.bakes, made, strict=True)
+    )
+
+
+def _place(farm: TaskFarm, bake: FarmBake, out: Path) -> BakeFolder:
+    return BakeFolder(bake.name, bake.spec, out, farm.preview is not None)
+
+
+def _last(bake: FarmBake) -> str:
+    return f"{bake.key}.{WHOLE}"
+
+
+def _check(farm: TaskFarm) -> Generator[FarmStep, None, None]:
+    """Raises BakeError with the tasks that are to be done, in one line."""
+    faults: list[str] = []
+    for number, bake in enumerate(farm.bakes):
+        yield FarmStep(FarmTask.CHECK, number, len(farm.bakes))
+        task = _last(bake)
+        if farm.is_done(task):
+            try:
+                fault = farm.result_faults(task)
+            except FormatError as error:
+                fault = error.message.problem
+            if fault:
+                farm.set_undone(task)
+                faults.append(fault)
+    unfinished = {bake.key for bake in farm.bakes if not farm.is_done(_last(bake))}
+    left = [task.name for task in farm.left() if task.bake in unfinished]
+    if left:
+        said = f"{', '.join(left[:_NAMED])}{f' and {len(left) - _NAMED} more' if len(left) > _NAMED else ''}"
+        of = f"{len(left)} of {len(farm.tasks)} tasks are not done: {said}"
+        raise BakeError("; ".join((*faults, of)) + f"; do them: {farm.command_for(left)}")
+
+
+def _write(farm: TaskFarm, bake: FarmBake, place: BakeFolder, replaces: Overwrite) -> BakeOutput:
+    """Copy a bake's files, and move them to their names together."""
+    done = farm.done(_last(bake))
+    source, sidecar = farm.results(bake.key), place.files.sidecar
+    made = BakeOutput.of(done.result, place.files)
+    with place.open(replaces) as checkpoint:
+        for name in done.files:
+            target = checkpoint.place(sidecar.with_name(name))
+            try:
+                shutil.copyfile(source / name, target)
+            except OSError as error:
+                raise BakeError(refusal(target, error)) from error
+        place.publish(checkpoint, made)
+        checkpoint.remove()
+    return made
+
+
+def _save_preview(farm: TaskFarm, bake: FarmBake, made: BakeOutput) -> Generator[AnyStep, None, None]:
+    assert farm.preview is not None  # see above
+    scene = open_scene(farm)
+    task = farm.task(_last(bake))
+    store: PieceStore = pieces_of(farm, task, farm.results(bake.key))
+    with at_frame(scene, bake.spec.frame), new_data_removed():
+        baked = yield from bake_unchecked(
+            scene, bake.name, bake.spec, made.files, None, Stopwatch(), store,
+            baker=finished_baker(made), warns=False, blend=Path(farm.blend), fingerprint=bake.fingerprint,
+        )  # fmt: skip
+        yield FarmStep(FarmTask.CHECK, 1, 1)
+        save_preview_of(scene, bake.spec, made.files, baked.prepared, farm.preview, None)
+
+
+def _seconds(farm: TaskFarm, bake: FarmBake) -> dict[Stage, float]:
+    """What the tasks of a bake took, by stage."""
+    found: dict[Stage, float] = {}
+    for task in farm.tasks:
+        if task.bake == bake.key and farm.is_done(task.name):
+            stage = _STAGES.get(task.part, Stage.CAPTURE)
+            found[stage] = found.get(stage, 0.0) + farm.done(task.name).seconds
+    return found

@@ -1,0 +1,225 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Do one task of a farm: open its scene, make the pieces or the files that it is for, mark it as done."""
+
+from __future__ import annotations
+
+import logging
+import secrets
+import shutil
+import socket
+import sys
+from collections.abc import Generator, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from time import perf_counter
+
+import bpy
+
+from ..bake.piece_store import ShareDoneError
+from ..bake.progress import Progress, Stopwatch
+from ..core.errors import BakeError, FormatError, InputError
+from ..formats.disk.atomic import refusal
+from ..formats.disk.regular import digest
+from ..forms import form_for
+from ..forms.bake_job import BakeJob
+from ..forms.form import Form
+from ..forms.layered.capture.capturing import capture_part
+from ..forms.layered.capture.panoramas import StoredViews, pictures_shared
+from ..forms.layered.capture.parts import Part, part_of
+from ..forms.outcome import Outcome
+from ..job.baking import Baked, bake_unchecked
+from ..scene.scratch import at_frame, new_data_removed
+from ..store.output_files import OutputFiles
+from ..store.shared_pieces import SharedPieces, piece_file
+from .tasks import WHOLE, Done, FarmBake, Task, TaskFarm, publish_results
+
+try:
+    import resource
+except ImportError:  # Windows has none
+    resource = None  # type: ignore[assignment]
+
+log = logging.getLogger(__name__)
+
+_MADE_LAST = (Part.AROUND, Part.EXITS, Part.MISLED)  # what the last task makes if no other was to
+
+
+def task_steps(farm: TaskFarm, name: str) -> Generator[Progress, None, bool]:
+    """Do the task of that name; returns False if it was done, and all that it made is there.
+
+    Yields progress; **the farm's scene is open afterwards**. Nothing that is there is lost, however often,
+    and on however many machines at once a task is done. Raises InputError for a task that this machine cannot
+    do, or not yet, BakeError for what fails.
+    """
+    task = farm.task(name)
+    _check_machine(farm)
+    if not (faults := _faults(farm, task)):
+        return False
+    if farm.is_done(name):
+        log.warning("task %s is done again: %s", name, faults)
+        farm.set_undone(name)
+    _check_needs(farm, task)
+    begun = perf_counter()
+    scene = open_scene(farm)
+    bake = farm.bake_of(task)
+    with _results(farm, task) as place, pictures_shared(StoredViews(_view_store(farm))):
+        store = pieces_of(farm, task, place)
+        files, result = {}, {}
+        try:
+            made = yield from _baked(scene, farm, task, bake, store, place)
+        except ShareDoneError:
+            pass
+        else:
+            result = made.made.told()
+            files = {path.name: digest(path) for path in place.iterdir()}
+            _publish(farm, bake, place)
+    farm.set_done(
+        name,
+        Done(
+            pieces=tuple(store.used),
+            files=files,
+            seconds=round(perf_counter() - begun, 2),
+            memory=_most_memory(),
+            host=socket.gethostname(),
+            result=result,
+        ),
+    )
+    return True
+
+
+def open_scene(farm: TaskFarm) -> bpy.types.Scene:
+    """Open the farm's .blend. Raises FormatError if it is not there, or lacks the scene."""
+    file = farm.scene_file
+    try:
+        bpy.ops.wm.open_mainfile(filepath=str(file.absolute()), load_ui=False, use_scripts=False)
+        return bpy.data.scenes[farm.scene]
+    except (RuntimeError, KeyError) as error:
+        reason = " ".join(str(error).removeprefix("Error:").split())
+        raise FormatError(
+            f"{file} does not open: {reason}; copy it anew, or prepare the farm anew"
+        ) from error
+
+
+def pieces_of(farm: TaskFarm, task: Task, results: Path) -> SharedPieces:
+    """The bake's pieces, of which those of the task are made."""
+    promised = {each.part for each in farm.tasks if each.bake == task.bake}
+
+    def makes(piece: str) -> bool:
+        part = part_of(piece)
+        if task.part != WHOLE:
+            return part == task.part
+        return part not in promised or (part in _MADE_LAST and _is_unforeseen(piece, promised))
+
+    def whose(piece: str, fault: str) -> BakeError:
+        tasks = _makers(farm, task.bake, piece)
+        for each in tasks:
+            farm.set_undone(each)
+        return BakeError(
+            f"{piece_file(farm.pieces(task.bake), piece)}, which task {task.name} needs, {fault}: "
+            f"do it first: {farm.command_for(tasks)}"
+        )
+
+    return SharedPieces(farm.pieces(task.bake), results, makes, whose, task.share)
+
+
+def _makers(farm: TaskFarm, bake: str, piece: str) -> list[str]:
+    """The task that has made a piece, or if none says so all that may."""
+    may = [each.name for each in farm.tasks if each.bake == bake and each.part == part_of(piece)]
+    return [name for name in may if farm.is_done(name) and piece in farm.done(name).pieces] or may
+
+
+def _is_unforeseen(piece: str, promised: set[str]) -> bool:
+    """Whether a piece is of an object that lets light through, which nobody foresaw."""
+    return piece.endswith("-through") and Part.EXITS not in promised
+
+
+def _baked(
+    scene: bpy.types.Scene, farm: TaskFarm, task: Task, bake: FarmBake, store: SharedPieces, place: Path
+) -> Generator[Progress, None, Baked]:
+    """Make the task's pieces, and raise ShareDoneError, or if it is the last one the bake's files."""
+    files = OutputFiles.of(bake.name, bake.spec, place)
+    form: Form = form_for(bake.spec)
+
+    def make(job: BakeJob) -> Generator[Progress, None, Outcome]:
+        if task.part == WHOLE:
+            return (yield from form.bake(job))
+        yield from capture_part(job.scratch, job.prepared, job.spec, job.folder, store, Part(task.part))
+        raise ShareDoneError
+
+    with at_frame(scene, bake.spec.frame), new_data_removed():
+        return (
+            yield from bake_unchecked(
+                scene, bake.name, bake.spec, files, None, Stopwatch(), store,
+                baker=make, warns=task.part in (Part.MAPS, WHOLE), blend=Path(farm.blend),
+                fingerprint=bake.fingerprint,
+            )
+        )  # fmt: skip
+
+
+def _view_store(farm: TaskFarm) -> SharedPieces:
+    def whose(piece: str, fault: str) -> BakeError:
+        return BakeError(f"{farm.views / piece} {fault}")
+
+    store = SharedPieces(farm.views, farm.views, lambda _: True, whose)
+    store.set_facts({"job": farm.job})
+    return store
+
+
+@contextmanager
+def _results(farm: TaskFarm, task: Task) -> Iterator[Path]:
+    """A folder of this process's own for the bake's files; it is removed if it has not got their name."""
+    place = farm.results(task.bake).with_name(f".radtex-{task.bake}-{secrets.token_hex(8)}")
+    try:
+        yield place
+    finally:
+        shutil.rmtree(place, ignore_errors=True)
+
+
+def _publish(farm: TaskFarm, bake: FarmBake, place: Path) -> None:
+    target = farm.results(bake.key)
+    try:
+        publish_results(place, target)
+    except OSError as error:
+        raise BakeError(refusal(target, error)) from error
+
+
+def _check_machine(farm: TaskFarm) -> None:
+    """Raises InputError for another version of Blender: its noise is another."""
+    own = bpy.app.version_string
+    if own != farm.blender:
+        raise InputError(
+            f"{farm.folder} was prepared in Blender {farm.blender}, and this is {own}: the noise of its "
+            "renders would be another; use the same version, or prepare the farm anew in this one"
+        )
+
+
+def _check_needs(farm: TaskFarm, task: Task) -> None:
+    """Raises InputError for a task whose turn has not come, with those that come first."""
+    if left := farm.undone(task.needs):
+        raise InputError(
+            f"task {task.name} needs what is not done: {', '.join(left[:8])}{' …' if len(left) > 8 else ''}; "
+            f"do that first: {farm.command_for(left)}"
+        )
+
+
+def _faults(farm: TaskFarm, task: Task) -> str:
+    """Why a task is to be done; "" if it is done, and all that it made is there, undamaged."""
+    if not farm.is_done(task.name):
+        return "it is not done"
+    try:
+        done = farm.done(task.name)
+        if task.is_last:
+            return farm.result_faults(task.name)
+    except FormatError as error:
+        return str(error)
+    folder = farm.pieces(task.bake)
+    missing = [piece for piece in done.pieces if not piece_file(folder, piece).is_file()]
+    return f"{piece_file(folder, missing[0])} is not there" if missing else ""
+
+
+def _most_memory() -> int:
+    """The most memory that this process has taken, in bytes; 0 where the system does not tell."""
+    if resource is None:
+        return 0
+    most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return int(most if sys.platform == "darwin" else most * 1024)

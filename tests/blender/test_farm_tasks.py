@@ -1,0 +1,326 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A farm whose machines have RadTex: tasks in any order make what one machine makes; faults are named."""
+
+from __future__ import annotations
+
+import json
+import random
+import shutil
+import socket
+import subprocess
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, cast
+
+import bpy
+import pytest
+
+from radtex_addon.bake.progress import finished
+from radtex_addon.core.errors import BakeError, FormatError, InputError, RadTexError
+from radtex_addon.core.sampler import Filter
+from radtex_addon.farm import claims
+from radtex_addon.farm.assemble_tasks import assemble_tasks_steps
+from radtex_addon.farm.claims import Claim, claimed
+from radtex_addon.farm.farm_files import tasks_file
+from radtex_addon.farm.prepare_tasks import prepare_tasks_steps
+from radtex_addon.farm.run_task import task_steps
+from radtex_addon.farm.task_graph import Subject, keyed, tasks_of
+from radtex_addon.farm.tasks import TaskFarm, read_tasks
+from radtex_addon.job import bake_object
+from radtex_addon.settings.spec import BakeSpec, Kind, Layout
+from tests.blender import stage
+from tests.blender.batch_process import Batch, refusal
+from tests.blender.killed import digests
+from tests.real.root import REPOSITORY
+
+LAYERED = BakeSpec(layout=Layout.LAYERED, texels=12, samples=1, seed=3)
+SHADOW = BakeSpec(kind=Kind.SHADOW, texels=16, bucket=4, samples=1)
+BALL, PLATE = "Ball", "Plate"
+BAKES = ((BALL, LAYERED), (PLATE, LAYERED), (PLATE, SHADOW))
+
+
+def build(folder: Path) -> bpy.types.Scene:
+    """A glass ball above a plate with a picture, under lamps."""
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    stage.world((0.3, 0.4, 0.5))
+    stage.lamps()
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=12, ring_count=8, radius=0.5, location=(0, 0, 0.8))
+    bpy.context.object.name = BALL
+    glass = stage.material("glass", "ShaderNodeBsdfGlass", Roughness=0.0)
+    bpy.context.object.data.materials.append(glass)
+    bpy.ops.mesh.primitive_cube_add(size=1)
+    plate = bpy.context.object
+    plate.name, plate.scale = PLATE, (1.5, 1.5, 0.1)
+    picture: Any = bpy.data.images.new("picture", 4, 4)
+    picture.pixels = [0.8, 0.5, 0.2, 1, 0.1, 0.4, 0.9, 1] * 8
+    picture.filepath_raw, picture.file_format = str(folder / "picture.png"), "PNG"
+    picture.save()
+    shown = stage.material("painted", "ShaderNodeBsdfDiffuse")
+    node = shown.node_tree.nodes.new("ShaderNodeTexImage")
+    node.image = picture
+    diffuse = next(each for each in shown.node_tree.nodes if each.type == "BSDF_DIFFUSE")
+    shown.node_tree.links.new(node.outputs["Color"], diffuse.inputs["Color"])
+    plate.data.materials.append(shown)
+    bpy.ops.wm.save_as_mainfile(filepath=str(folder / "things.blend"))
+    return cast(bpy.types.Scene, bpy.context.scene)
+
+
+def do(farm: TaskFarm, names: Sequence[str]) -> None:
+    """Do tasks by name."""
+    for name in names:
+        finished(task_steps(farm, name))
+
+
+def shuffled(farm: TaskFarm, seed: int) -> list[str]:
+    """All tasks in an order in which they can be done, by chance."""
+    draw, done, order = random.Random(seed), set[str](), list[str]()
+    while len(order) < len(farm.tasks):
+        ready = [one.name for one in farm.tasks if one.name not in done and done.issuperset(one.needs)]
+        order.append(draw.choice(ready))
+        done.add(order[-1])
+    return order
+
+
+@dataclass(frozen=True)
+class Worked:
+    """A farm all of whose tasks are done, and the folder of the same bakes, made by one process."""
+
+    farm: TaskFarm
+    local: Path
+
+
+@pytest.fixture(scope="module")
+def worked(tmp_path_factory: pytest.TempPathFactory) -> Worked:
+    folder = tmp_path_factory.mktemp("tasks")
+    scene = build(folder)
+    for name, spec in BAKES:
+        bake_object(scene, name, spec, folder / "local")
+    made = finished(prepare_tasks_steps(scene, BAKES, folder / "far", preview=Filter.QUADRILINEAR))
+    (folder / "picture.png").unlink()  # what machines need travels
+    (folder / "things.blend").unlink()
+    farm = read_tasks(made.farm.folder)
+    assert farm.tasks == made.farm.tasks
+    do(farm, shuffled(farm, 5))
+    return Worked(farm, folder / "local")
+
+
+@pytest.fixture(autouse=True)
+def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is not there will not appear."""
+    monkeypatch.setattr("radtex_addon.store.shared_pieces.PATIENCE", 0.0)
+    monkeypatch.setattr("radtex_addon.store.shared_pieces._LOOK", 0.01)
+
+
+@pytest.fixture
+def farm(worked: Worked, tmp_path: Path) -> TaskFarm:
+    """A copy to do harm to."""
+    copy = shutil.copytree(worked.farm.folder, tmp_path / worked.farm.folder.name)
+    return read_tasks(Path(copy))
+
+
+def assemble(farm: TaskFarm, out: Path) -> Any:
+    return finished(assemble_tasks_steps(farm, out))
+
+
+def test_tasks_in_any_order_make_what_one_machine_makes(worked: Worked, out: Path) -> None:
+    assemble(worked.farm, out)
+    previews = {f"{name}.preview.blend" for name in (BALL, PLATE)}
+    assert {path.name for path in out.iterdir()} == {path.name for path in worked.local.iterdir()} | previews
+    for path in worked.local.iterdir():
+        assert (out / path.name).read_bytes() == path.read_bytes(), path.name
+    bpy.ops.wm.open_mainfile(filepath=str(out / f"{BALL}.preview.blend"))
+    assert "radtex_tangent" in bpy.data.objects[BALL].data.attributes
+
+
+def test_what_is_listed_travels(worked: Worked) -> None:
+    told = json.loads(tasks_file(worked.farm.folder).read_text())
+    assert [Path(one["path"]).name for one in told["carried"]] == ["picture.png"]
+    assert {task["command"][3] for task in told["tasks"]} == {"."}
+    bpy.ops.wm.open_mainfile(filepath=str(worked.farm.scene_file))
+    assert bpy.utils.blend_paths(absolute=True, packed=False) == []
+
+
+def test_a_task_that_is_done_is_done_once(farm: TaskFarm) -> None:
+    before = {path: path.stat().st_mtime_ns for path in farm.folder.rglob("*") if path.is_file()}
+    for task in farm.tasks:
+        assert finished(task_steps(farm, task.name)) is False
+    assert {path: path.stat().st_mtime_ns for path in before} == before
+
+
+@pytest.mark.one_blender
+def test_a_lost_or_damaged_piece_is_named_with_the_task_that_makes_it(farm: TaskFarm, out: Path) -> None:
+    pieces = farm.pieces(BALL)
+    light = next(pieces.glob("light-*.piece"))
+    light.write_bytes(light.read_bytes()[:-40])
+    shutil.rmtree(farm.results(BALL))
+    with pytest.raises(BakeError, match=rf"{BALL} is not there|not there.*tasks are not done"):
+        assemble(farm, out)
+    assert not out.exists()
+    with pytest.raises(BakeError) as caught:
+        do(farm, [f"{BALL}.bake"])
+    assert f"{light.name}, which task {BALL}.bake needs, is damaged" in str(caught.value)
+    assert str(caught.value).endswith(f"do it first: {farm.command([f'{BALL}.light'])}")
+    with pytest.raises(
+        BakeError, match=rf"2 of \d+ tasks are not done: {BALL}.light, {BALL}.bake; do them: "
+    ):
+        assemble(farm, out)
+    do(farm, [f"{BALL}.light", f"{BALL}.bake"])
+    assemble(farm, out)
+
+
+@pytest.mark.one_blender
+def test_a_task_whose_turn_has_not_come_says_what_comes_first(farm: TaskFarm) -> None:
+    shutil.rmtree(farm.folder / "done")
+    shutil.rmtree(farm.folder / "pieces")
+    with pytest.raises(InputError, match=rf"task {BALL}.light needs what is not done: {BALL}.maps; do that"):
+        do(farm, [f"{BALL}.light"])
+    with pytest.raises(InputError, match=r"has no task 'Ball\.lihgt'"):
+        do(farm, [f"{BALL}.lihgt"])
+
+
+@pytest.mark.one_blender
+def test_a_machine_that_would_bake_otherwise_is_refused_by_name(
+    farm: TaskFarm, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    facts = farm.pieces(PLATE) / "facts.json"
+    facts.write_text(facts.read_text().replace('"device": "CPU"', '"device": "OptiX"'))
+    farm.set_undone(f"{PLATE}.own")
+    with pytest.raises(
+        InputError, match=r"differs from what others have begun in .* in device \(OptiX, now CPU\)"
+    ):
+        do(farm, [f"{PLATE}.own"])
+    text = tasks_file(farm.folder).read_text()
+    tasks_file(farm.folder).write_text(text.replace(bpy.app.version_string, "4.4.1"))
+    with pytest.raises(InputError, match=r"was prepared in Blender 4\.4\.1, and this is "):
+        do(read_tasks(farm.folder), [f"{PLATE}.own"])
+    monkeypatch.setattr("radtex_addon.store.checkpoint_files.PIECE_FORMAT", 77)
+    with pytest.raises(FormatError, match=r"was prepared by RadTex .*use the one that prepared it"):
+        read_tasks(farm.folder)
+
+
+@pytest.mark.one_blender
+def test_a_folder_that_takes_no_files_loses_nothing(farm: TaskFarm) -> None:
+    shutil.rmtree(farm.folder / "done")
+    (farm.folder / "done").write_text("no folder")
+    with pytest.raises(BakeError, match=rf"done/{PLATE}\.maps\.json could not be written: "):
+        do(farm, [f"{PLATE}.maps"])
+    (farm.folder / "done").unlink()
+    do(farm, [f"{PLATE}.maps"])
+    assert not list(farm.folder.rglob(".radtex-*"))
+
+
+@pytest.mark.one_blender
+def test_two_machines_that_do_all_at_once_make_the_same(worked: Worked, tmp_path: Path) -> None:
+    far = Path(shutil.copytree(worked.farm.folder, tmp_path / "both.radtex-farm"))
+    for made in ("done", "pieces", "baked"):
+        shutil.rmtree(far / made)
+    work = [sys.executable, str(REPOSITORY / "bake.py"), "work", str(far), "--progress", "none"]
+    both = [subprocess.Popen(work, stdout=subprocess.PIPE, text=True, cwd=REPOSITORY) for _ in range(2)]
+    said = [one.communicate(timeout=240)[0] for one in both]
+    assert [one.returncode for one in both] == [0, 0]
+    assert all(": done in" in one for one in said)  # each did a part
+    assert sum(one.count(": done in") for one in said) == len(worked.farm.tasks)
+    for bake in worked.farm.bakes:
+        assert digests(far / "baked" / bake.key) == digests(worked.farm.results(bake.key))
+
+
+@pytest.mark.one_blender
+def test_the_same_task_at_once_makes_the_same(farm: TaskFarm) -> None:
+    name = f"{PLATE}.bake"
+    before = digests(farm.results(PLATE))
+    shutil.rmtree(farm.results(PLATE))
+    farm.set_undone(name)
+    work = [sys.executable, str(REPOSITORY / "bake.py"), "work", str(farm.folder), name, "--progress", "none"]
+    both = [subprocess.Popen(work, cwd=REPOSITORY) for _ in range(2)]
+    assert [one.wait(240) for one in both] == [0, 0]
+    assert digests(farm.results(PLATE)) == before
+    assert farm.result_faults(name) == ""
+
+
+def test_a_claim_of_the_living_keeps_others_away_and_one_of_the_dead_does_not(
+    farm: TaskFarm, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(claims, "BEAT", 0.05)
+    seen: dict[str, Claim] = {}
+    with claimed(farm, "x", {}) as first:
+        assert first
+        with claimed(farm, "x", seen) as second:
+            assert not second
+    with claimed(farm, "x", seen) as third:
+        assert third
+    left = farm.folder / "claims" / "x"
+    gone = subprocess.Popen([sys.executable, "-c", ""])
+    gone.wait()
+    left.write_text(f"{socket.gethostname()} {gone.pid} killed")
+    with claimed(farm, "x", seen) as at_once:
+        assert at_once
+    left.write_text("a machine that died, whose clock was an hour ahead")
+    with claimed(farm, "x", seen) as early:
+        assert not early
+    monkeypatch.setattr(claims, "PATIENCE", 0.0)
+    with claimed(farm, "x", seen) as late:
+        assert late
+    assert not left.exists()
+
+
+def test_tasks_are_shares_of_a_minute_with_their_needs() -> None:
+    large = BakeSpec(layout=Layout.LAYERED, texels=512)
+    subjects = [Subject("Vase", large, True, 1000), Subject("vase", large, False, 1000)]
+    bakes = keyed(subjects)
+    assert [bake.key for bake in bakes] == ["Vase", "vase_2"]
+    tasks = {task.name: task for task in tasks_of(bakes, subjects, 1 << 30)}
+    light = [task for task in tasks.values() if task.bake == "Vase" and task.part == "light"]
+    assert len(light) == 3
+    assert [task.share for task in light] == [(number, len(light)) for number in range(len(light))]
+    assert set(tasks["Vase.around"].needs) > {task.name for task in light}
+    assert tasks["vase_2.around"].needs == ("vase_2.maps", "Vase.around")
+    assert "vase_2.exits" not in tasks
+    assert set(tasks["vase_2.bake"].needs) >= {"vase_2.misled"}
+    farm = TaskFarm(Path("x"), "", "", "", "", "", None, tuple(bakes), tuple(tasks.values()))
+    alone, many = farm.seconds_for(1), farm.seconds_for(1000)
+    assert alone == pytest.approx(sum(task.seconds for task in tasks.values()))
+    assert many == pytest.approx(max(farm.chains().values()))
+    assert many < farm.seconds_for(2) < alone
+
+
+@pytest.mark.one_blender
+def test_what_cannot_travel_is_refused_by_name(tmp_path: Path) -> None:
+    scene = build(tmp_path)
+    far = tmp_path / "far"
+    with pytest.raises(InputError, match="a farm bakes anew"):
+        finished(prepare_tasks_steps(scene, [(BALL, BakeSpec(accumulate=True))], far))
+    cloth = bpy.data.objects[PLATE].modifiers.new("soft", "CLOTH")
+    with pytest.raises(InputError, match=rf"object '{PLATE}': nothing is baked of .* modifier 'soft'"):
+        finished(prepare_tasks_steps(scene, [(BALL, LAYERED)], far))
+    bpy.data.objects[PLATE].modifiers.remove(cloth)
+    bpy.data.images["picture"].source = "MOVIE"
+    with pytest.raises(RadTexError, match="is a movie"):
+        finished(prepare_tasks_steps(scene, [(BALL, LAYERED)], far))
+    assert not list(far.iterdir())
+
+
+@pytest.mark.one_blender
+def test_the_batch_prepares_works_and_assembles(tmp_path: Path, batch: Batch) -> None:
+    build(tmp_path)
+    far = tmp_path / "far"
+    options = ("--all", "--texels", "12", "--samples", "1", "--out", far, "--progress", "json")
+    done = batch("prepare", tmp_path / "things.blend", *options)
+    assert done.code == 0, done.err
+    event = json.loads(done.out.splitlines()[-1])
+    folder = Path(event["files"][0])
+    assert folder.name == "things.radtex-farm"
+    assert event["seconds"]["1"] >= event["seconds"]["16"] > 0
+    again = batch("prepare", tmp_path / "things.blend", *options)
+    assert (again.code, "things.radtex-farm is already there" in again.err) == (2, True)
+    said = refusal(batch("assemble", folder, "--progress", "none"), code=1)
+    count = len(event["tasks"])
+    assert f"{count} of {count} tasks are not done: " in said
+    assert f"do them: python bake.py work {folder}" in said
+    task = event["tasks"][0]
+    one = batch("work", folder, task, "--progress", "json")
+    assert json.loads(one.out.splitlines()[-1])["object"] == task
+    assert batch("work", folder, task).out.startswith(f"{task}: was done already")
+    assert "holds no tasks" in refusal(batch("work", tmp_path))

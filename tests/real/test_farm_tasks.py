@@ -1,0 +1,267 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is written beside a farm's tasks, run for real: OpenJD, Flamenco, Slurm and make."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import stat
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from pathlib import Path
+from typing import Any
+
+import bpy
+import pytest
+
+from radtex_addon.farm.steps import STEPS, steps_of
+from radtex_addon.farm.tasks import read_tasks
+from radtex_addon.farm.templates import write_task_templates
+from tests.blender.killed import digests
+from tests.blender.test_farm_templates import farm_of
+from tests.real.nodes import OPENJD, NodeUnavailableError, ready_python
+from tests.real.root import REPOSITORY
+from tests.real.slurm import Cluster, SlurmUnavailableError, slurm_cluster
+from tests.real.task_farm import BOX, PreparedFarm, Worker, bake_command
+from tests.real.web import compiled_flamenco_job
+
+pytestmark = [
+    pytest.mark.one_blender,
+    pytest.mark.skipif(sys.platform != "linux", reason="farms run on Linux alone"),
+]
+FLAKY, BEHIND = f"{BOX}.own", [f"{BOX}.misled", f"{BOX}.bake"]  # what fails once, and what waits for it
+LONGEST = f"{BOX}.around"
+
+
+@pytest.fixture(scope="module")
+def prepared(tmp_path_factory: pytest.TempPathFactory) -> PreparedFarm:
+    return PreparedFarm.made(tmp_path_factory.mktemp("farm"))
+
+
+@pytest.fixture
+def farm(prepared: PreparedFarm, tmp_path: Path) -> Path:
+    """A copy in which nothing is done."""
+    return prepared.copied(tmp_path)
+
+
+def _openjd(command: str, farm: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    try:
+        program = ready_python(OPENJD) / "openjd"
+    except NodeUnavailableError as error:
+        pytest.skip(str(error))
+    whole = [str(program), command, str(farm / "openjd.yaml"), *arguments]
+    return subprocess.run(whole, capture_output=True, text=True, check=False, timeout=240)
+
+
+def test_openjd_runs_the_whole_job(prepared: PreparedFarm, farm: Path, tmp_path: Path) -> None:
+    """All steps by themselves, and the files are joined as one machine would have written them."""
+    out = tmp_path / "out"
+    joins = f"Assemble={bake_command('assemble')} --out {out}"
+    run = _openjd("run", farm, "-p", f"Work={bake_command('work')}", "-p", joins)
+    assert run.returncode == 0, run.stdout
+    assert digests(out) == prepared.local
+    prepared.check_done(farm)
+
+
+@pytest.mark.parametrize("workers", [2, 4])
+def test_openjd_workers_do_what_one_does(
+    prepared: PreparedFarm, farm: Path, tmp_path: Path, workers: int
+) -> None:
+    """So many at once, each a task whose step waits for no other; one fails, and is done again."""
+    worker = Worker.made(tmp_path, FLAKY)
+    steps = {step.name: step for step in steps_of(read_tasks(farm).tasks)}
+
+    def work(step: str) -> None:
+        for task in steps[step].tasks:
+            _do_once_more(farm, worker, step, task.name)
+
+    with ThreadPoolExecutor(workers) as pool:
+        running: dict[Future[None], str] = {}
+        done: set[str] = set()
+        while len(done) < len(steps):
+            left = [step for step in steps.values() if step.name not in {*done, *running.values()}]
+            ready = [step.name for step in left if done.issuperset(step.needs)]
+            running |= {pool.submit(work, name): name for name in ready}
+            for future in wait(running, return_when=FIRST_COMPLETED).done:
+                future.result()
+                done.add(running.pop(future))
+    assert {task: len(processes) for task, processes in worker.begun().items()} == {
+        task: 1 + (task == FLAKY) for task in read_tasks(farm).by_name
+    }
+    prepared.check_done(farm)
+
+
+def _do_once_more(farm: Path, worker: Worker, step: str, task: str) -> None:
+    """Let OpenJD do a task in a process of its own, and again if it was lost."""
+    one = ("--step", step, "--no-run-dependencies", "-tp", f"Task={task}", "-p", f"Work={worker.command}")
+    run = _openjd("run", farm, *one)
+    if run.returncode != 0 and "lost" in run.stdout:
+        run = _openjd("run", farm, *one)
+    assert run.returncode == 0, run.stdout
+
+
+def test_openjd_takes_a_farm_of_300_bakes(tmp_path: Path) -> None:
+    many = farm_of(tmp_path, 300)
+    write_task_templates(many)
+    run = _openjd("check", tmp_path)
+    assert run.returncode == 0, run.stdout
+    said = json.loads(_openjd("summary", tmp_path, "--output", "json").stdout)
+    assert said["total_steps"] <= STEPS + 1
+    assert said["total_tasks"] == len(many.tasks) + 1
+
+
+def test_flamenco_compiles_the_tasks_of_the_open_file(prepared: PreparedFarm) -> None:
+    """Its settings are worked out as its add-on does, with the names that its manual lists."""
+    bpy.ops.wm.open_mainfile(filepath=str(prepared.folder / "scene.blend"), load_ui=False)
+    script = prepared.folder / "radtex_tasks.js"
+    given = {"work": 'python "/my tools/bake.py" work', "assemble": "/opt/join --overwrite"}
+    kinds = compiled_flamenco_job(script, given | {"folder": "/x", "tasks": "a"})["type"]["settings"]
+    names: dict[str, Any] = {"bpy": bpy, "C": bpy.context, "Path": Path, "jobname": "", "settings": None}
+    worked_out = {each["key"]: eval(each["eval"], {}, names) for each in kinds if "eval" in each}
+    assert set(worked_out) == {"folder", "tasks"}
+    *tasks, joined = compiled_flamenco_job(script, given | worked_out)["tasks"]
+    known = read_tasks(prepared.folder).tasks
+    assert [(task["name"], task["dependencies"]) for task in tasks] == [
+        (task.name, list(task.needs)) for task in known
+    ]
+    folder = str(prepared.folder)
+    for task in tasks:
+        (command,) = task["commands"]
+        arguments = ["/my tools/bake.py", "work", folder, task["name"]]
+        assert command == {"name": "exec", "parameters": {"exe": "python", "args": arguments}}
+    assert (joined["name"], joined["dependencies"]) == ("assemble", [f"{BOX}.bake"])
+    (command,) = joined["commands"]
+    assert command["parameters"] == {"exe": "/opt/join", "args": ["--overwrite", folder]}
+    assert [task["name"] for task in compiled_flamenco_job(script, worked_out)["tasks"]] == [
+        task.name for task in known
+    ]
+
+
+def test_make_goes_on_where_a_killed_worker_ended(prepared: PreparedFarm, farm: Path, tmp_path: Path) -> None:
+    worker = Worker.made(tmp_path)
+    command = ["make", "-C", str(farm), "-j2", f"WORK={worker.command}"]
+    run = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    note = worker.notes / LONGEST
+    until = time.monotonic() + 120
+    while not (note.exists() and note.read_text().strip()):
+        assert time.monotonic() < until
+        time.sleep(0.05)
+    time.sleep(1)  # it is in the midst of it
+    os.kill(int(note.read_text()), signal.SIGKILL)
+    said, _ = run.communicate(timeout=240)
+    assert run.returncode == 2, said
+    marks = {mark.name: mark.stat().st_mtime_ns for mark in (farm / "done").iterdir()}
+    assert f"{BOX}.maps.json" in marks
+    assert f"{LONGEST}.json" not in marks
+    again = subprocess.run(command, capture_output=True, text=True, check=False, timeout=240)
+    assert again.returncode == 0, again.stdout + again.stderr
+    begun = worker.begun()
+    assert len(begun.pop(LONGEST)) == 2
+    assert {len(processes) for processes in begun.values()} == {1}  # nothing that was done is done again
+    assert {name: (farm / "done" / name).stat().st_mtime_ns for name in marks} == marks
+    prepared.check_done(farm)
+
+
+@pytest.fixture(scope="module")
+def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cluster]:
+    try:
+        with slurm_cluster(tmp_path_factory.mktemp("slurm")) as made:
+            yield made
+    except SlurmUnavailableError as error:
+        pytest.skip(str(error))
+
+
+def _submit(farm: Path, variables: dict[str, str], *options: str) -> list[str]:
+    """The names of the jobs that slurm.sh submits."""
+    command = ["bash", str(farm / "slurm.sh"), *options]
+    run = subprocess.run(command, env=variables, capture_output=True, text=True, check=True, timeout=240)
+    return [line.split(": job ")[0] for line in run.stdout.splitlines()]
+
+
+def test_slurm_does_what_is_left_when_it_is_submitted_again(
+    cluster: Cluster, prepared: PreparedFarm, farm: Path, tmp_path: Path
+) -> None:
+    """Daemons of this machine's own run the arrays; a task fails, and what needs it is cancelled."""
+    worker = Worker.made(tmp_path, FLAKY)
+    out = tmp_path / "out"
+    variables = cluster.variables | {
+        "WORK": str(worker.command),
+        "ASSEMBLE": f"{bake_command('assemble')} --out {out} --progress none",
+    }
+    assert len(_submit(farm, variables)) == len(read_tasks(farm).tasks) + 1
+    cluster.wait()
+    assert [task.name for task in read_tasks(farm).left()] == [FLAKY, *BEHIND]
+    assert _submit(farm, variables, "--time=30") == [FLAKY, *BEHIND, "assemble"]
+    cluster.wait()
+    assert digests(out) == prepared.local
+    begun = worker.begun()
+    assert len(begun.pop(FLAKY)) == 2
+    assert {len(processes) for processes in begun.values()} == {1}
+
+
+def test_slurm_script_on_a_stand_in_for_sbatch(tmp_path: Path) -> None:
+    """Two bakes with shares: each array's order and options, a failure, and what is left after it."""
+    folder = tmp_path / "two bakes"
+    folder.mkdir()
+    farm = farm_of(folder, 2, texels=384)
+    write_task_templates(farm)
+    (folder / "done").mkdir()
+    needs = "".join(f"{task.name}) needs='{' '.join(task.needs)}';;\n" for task in farm.tasks)
+    work = _program(
+        tmp_path / "work",
+        f"""case "$2" in\n{needs}esac
+for need in $needs; do [ -e "$1/done/$need.json" ] || exit 3; done
+echo "$2" >> '{tmp_path}/order'
+[ "$2" != Thing_1.light.2 ] || [ -e '{tmp_path}/repaired' ] || exit 1
+echo '{{}}' > "$1/done/$2.json"
+""",
+    )
+    _program(tmp_path / "bin/sbatch", f'exec {sys.executable} {REPOSITORY}/tests/real/inside/sbatch.py "$@"')
+    variables = os.environ | {
+        "PATH": f"{tmp_path / 'bin'}:{os.environ['PATH']}",
+        "SBATCH_JOBS": str(tmp_path / "jobs"),
+        "WORK": str(work),
+        "ASSEMBLE": str(_program(tmp_path / "join", f"ls \"$1/done\" > '{tmp_path}/joined'")),
+    }
+    with pytest.raises(subprocess.CalledProcessError) as full:
+        _submit(folder, variables | {"SBATCH_MOST": "3"}, "--partition=render")
+    assert "slurm.sh: sbatch refused Thing_0.light; what was submitted goes on" in full.value.stderr
+    assert len(list((folder / "done").iterdir())) == len((tmp_path / "order").read_text().split()) > 0
+    _submit(folder, variables, "--partition=render")
+    left = {task.name for task in farm.left()}
+    assert "Thing_1.light.2" in left
+    assert not any(name.startswith("Thing_0") for name in left)  # the other bake is done
+    jobs = _jobs(tmp_path)
+    states = {job["name"]: job["state"] for job in jobs}
+    assert states["Thing_1.light"] == "FAILED"
+    assert states["Thing_1.bake"] == states["assemble"] == "CANCELLED"
+    assert {job["partition"] for job in jobs} == {"render"}
+    assert {job["kill"] for job in jobs if job["needs"]} == {"yes"}
+    assert not (tmp_path / "joined").exists()
+    (tmp_path / "repaired").touch()
+    _submit(folder, variables)
+    again = _jobs(tmp_path)[len(jobs) :]
+    assert {job["state"] for job in again} == {"COMPLETED"}
+    assert (again[0]["name"], again[0]["array"]) == ("Thing_1.light", "1")  # its second share alone
+    order = (tmp_path / "order").read_text().split()
+    assert sorted(order) == sorted([*(task.name for task in farm.tasks), "Thing_1.light.2"])
+    assert len((tmp_path / "joined").read_text().split()) == len(farm.tasks)
+    del variables["ASSEMBLE"]
+    (said,) = _submit(folder, variables)
+    assert said.startswith("All tasks are done. Join them: python bake.py assemble ")
+
+
+def _program(path: Path, text: str) -> Path:
+    path.parent.mkdir(exist_ok=True)
+    path.write_text(f"#!/bin/bash\n{text}\n", encoding="utf-8")
+    path.chmod(path.stat().st_mode | stat.S_IXUSR)
+    return path
+
+
+def _jobs(folder: Path) -> list[dict[str, Any]]:
+    return [json.loads(line) for line in (folder / "jobs").read_text().splitlines()]
