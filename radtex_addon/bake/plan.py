@@ -19,7 +19,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..core.arrays import Bools, Floats, Ints
+from ..core import large_arrays
+from ..core.arrays import Bools, Floats, Ints, blocks
 from ..core.atlas import AtlasLayout
 from ..core.errors import InputError
 from ..core.frame import orthonormal_frame
@@ -131,8 +132,8 @@ class CapturePlan:
 
     def moved_to(self, points: Floats) -> CapturePlan:
         """The same with rays that start at other points (K, 3)."""
-        flat = np.repeat(points[-1:].astype(np.float32), self.rows * self.columns, axis=0)
-        flat[: len(points)] = points
+        flat = large_arrays.empty((self.rows * self.columns, 3))
+        flat[: len(points)], flat[len(points) :] = points, points[-1]
         return replace(self, position=flat.reshape(self.position.shape))
 
     def placed(self, values: npt.NDArray[Any], gutter: bool = False) -> npt.NDArray[Any]:
@@ -141,7 +142,7 @@ class CapturePlan:
         Elsewhere 0, or with `gutter` the value of the nearest texel.
         """
         height, width = self.layout.height, self.layout.width
-        flat = np.zeros((height * width, *values.shape[1:]), dtype=values.dtype)
+        flat = large_arrays.zeros((height * width, *values.shape[1:]), values.dtype)
         flat[self.texel] = values
         image = flat.reshape(height, width, *values.shape[1:])
         return dilate(image, self._nearest) if gutter else image
@@ -163,8 +164,8 @@ def plan_of_picked(plan: CapturePlan, picked: Ints) -> CapturePlan:
     padded = picked[np.minimum(np.arange(rows * columns), len(picked) - 1)]
 
     def pack(values: Floats) -> Floats:
-        packed: Floats = values.reshape(plan.rows * plan.columns, -1)[padded].reshape(rows, columns, -1)
-        return packed
+        packed = large_arrays.taken(values.reshape(plan.rows * plan.columns, -1), padded)
+        return packed.reshape(rows, columns, -1)
 
     return CapturePlan(
         plan.layout,
@@ -196,11 +197,12 @@ def plan_capture(
     padded = texel[np.minimum(np.arange(rows * columns), len(texel) - 1)]
 
     def pack(values: Floats) -> Floats:
-        packed: Floats = values.reshape(height * width, -1)[padded].astype(np.float32)
+        flat = values.reshape(height * width, -1)
+        packed = large_arrays.from_blocks(len(padded), lambda some: flat[padded[some]].astype(np.float32))
         return packed.reshape(rows, columns, -1)
 
-    normal, tangent, sign = pack(texels.normal), pack(texels.tangent), pack(texels.sign[..., None])[..., 0]
-    tangent, bitangent, normal = orthonormal_frame(normal, tangent, sign)
+    normal, tangent, sign = pack(texels.normal), pack(texels.tangent), pack(texels.sign[..., None])
+    bitangent = _orthonormal(normal, tangent, sign)
     layout = AtlasLayout(width, height, bucket)
     return CapturePlan(
         layout,
@@ -213,6 +215,17 @@ def plan_capture(
         None if texels.offset is None else pack(texels.offset[..., None]),
         sheet=sheet,
     )
+
+
+def _orthonormal(normal: Floats, tangent: Floats, sign: Floats) -> Floats:
+    """Make the frames' normals and tangents orthonormal, in place; their bitangents (rows, columns, 3)."""
+    bitangent = large_arrays.empty(normal.shape)
+    frames = [one.reshape(-1, 3) for one in (tangent, bitangent, normal)]
+    for some in blocks(len(frames[0])):
+        found = orthonormal_frame(frames[2][some], frames[0][some], sign.reshape(-1)[some])
+        for kept, axis in zip(frames, found, strict=True):
+            kept[some] = axis
+    return bitangent
 
 
 def sheet_seed(seed: int, sheet: int) -> int:

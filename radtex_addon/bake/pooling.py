@@ -13,6 +13,7 @@ from functools import cache
 
 import numpy as np
 
+from ..core import large_arrays
 from ..core.arrays import Floats, Ints
 from ..core.octahedron import cell_places, octahedron_taps
 from .blocks import in_blocks, side_by_side
@@ -139,7 +140,7 @@ class Neighbours:
         return self._pooled(near, self.wide)
 
     def _pooled(self, table: Floats, blur: Blur) -> Floats:
-        result = np.empty(table.shape, dtype=np.float32)
+        result = large_arrays.empty(table.shape)
 
         def pool(tiles: list[_Tile]) -> None:
             for tile in tiles:
@@ -161,7 +162,8 @@ class Neighbours:
             tile = np.unique(corner, axis=1, return_inverse=True)[1].ravel()
             order = np.argsort(tile, kind="stable")
             cuts = np.flatnonzero(np.diff(tile[order])) + 1
-            self._found[blur] = [_tile(texels, other, weight) for texels in np.split(order, cuts)]
+            alike: dict[tuple[tuple[int, ...], bytes], Floats] = {}  # nearly all tiles have the same weights
+            self._found[blur] = [_tile(texels, other, weight, alike) for texels in np.split(order, cuts)]
         return self._found[blur]
 
     def _around(self, blur: Blur) -> tuple[Ints, Floats]:
@@ -182,24 +184,28 @@ class Neighbours:
 
         _, apart = offset(0, 1) if layout.width > 1 else offset(1, 0)
         usual = float(np.median(apart[np.isfinite(apart)])) if np.isfinite(apart).any() else 0.0
-        others, weights = [], []
+        others = large_arrays.empty((len(kernel) ** 2, count), np.int32)
+        weights = large_arrays.empty((len(kernel) ** 2, count))
         for y, along_y in enumerate(kernel):
             for x, along_x in enumerate(kernel):
                 dy, dx = (y - middle) * step, (x - middle) * step
                 other, apart = offset(dy, dx)
                 near = apart <= _NEAR * usual * max(step, float(np.hypot(dx, dy)))
-                others.append(np.maximum(other, 0))
-                weights.append((along_y * along_x * near).astype(np.float32))
-        return np.stack(others), np.stack(weights)
+                others[y * len(kernel) + x] = np.maximum(other, 0)
+                weights[y * len(kernel) + x] = along_y * along_x * near
+        return others, weights
 
 
-def _tile(texels: Ints, other: Ints, weight: Floats) -> _Tile:
-    """A tile of texels (g,); `other` and `weight` are those of `_around`."""
+def _tile(
+    texels: Ints, other: Ints, weight: Floats, alike: dict[tuple[tuple[int, ...], bytes], Floats]
+) -> _Tile:
+    """A tile of texels (g,); `other` and `weight` are those of `_around`, `alike` are tiles' weights."""
     tap, row = np.nonzero(weight[:, texels])
     around, column = np.unique(other[tap, texels[row]], return_inverse=True)
     weights = np.zeros((len(texels), len(around)), dtype=np.float32)
     weights[row, column] = weight[tap, texels[row]]
-    return _Tile(texels, around, weights)
+    weights = alike.setdefault((weights.shape, weights.tobytes()), weights)
+    return _Tile(texels.astype(np.int32), around.astype(np.int32), weights)
 
 
 @cache

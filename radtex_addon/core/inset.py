@@ -12,6 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from . import large_arrays
 from .arrays import Floats
 from .surface import SurfaceMesh
 from .texel_map import TexelMap
@@ -28,7 +29,7 @@ def inset(texels: TexelMap, surface: SurfaceMesh, distance: float | Floats) -> T
     """
     covered = np.flatnonzero(texels.covered)
     distances = np.broadcast_to(np.asarray(distance, dtype=np.float64), (len(surface.triangles),))
-    position = texels.position.copy()
+    position = large_arrays.copied(texels.position)
     points, triangle = position.reshape(-1, 3), texels.triangle.ravel()
     for start in range(0, len(covered), _CHUNK):
         texel = covered[start : start + _CHUNK]

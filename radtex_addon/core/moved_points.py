@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from . import large_arrays
 from .arrays import Floats, Ints
 from .surface import SurfaceMesh
 
@@ -17,7 +18,7 @@ def moved_points(surface: SurfaceMesh, triangle: Ints, point: Floats, step: tupl
 
     Those of triangles without area, on the surface or in UV, stay. float32.
     """
-    moved = np.empty((len(point), 3), dtype=np.float32)
+    moved = large_arrays.empty((len(point), 3))
     for first in range(0, len(point), _AT_ONCE):
         some = slice(first, first + _AT_ONCE)
         moved[some] = _moved(surface, triangle[some], point[some], step)

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from . import large_arrays
 from .arrays import Bools, Floats, Ints
 from .errors import ShapeError
 from .frame import normalised, orthonormal_frame
@@ -96,8 +97,9 @@ def triangle_of_texels(uv: Floats, width: int, height: int) -> Ints:
 
 def _nearest_triangle(uv: Floats, width: int, height: int, reach: float, chunk: int) -> Ints:
     """Index of each texel's triangle (H * W,), chosen as in `rasterise`; -1 for none."""
-    distance = np.full(width * height, np.inf)
-    triangle = np.full(width * height, -1, dtype=np.int32)
+    distance = large_arrays.empty(width * height, np.float64)
+    triangle = large_arrays.empty(width * height, np.int32)
+    distance[:], triangle[:] = np.inf, -1
     for first in range(0, len(uv), chunk):
         edges, owner = _edges_in_texels(uv[first : first + chunk], width, height)
         for local, i, j in _touched(edges, width, height, reach, chunk):
@@ -246,7 +248,7 @@ def _keep_nearest(
 
 def _empty_map(width: int, height: int) -> TexelMap:
     def zeros(*shape: int, dtype: npt.DTypeLike = np.float32) -> npt.NDArray[Any]:
-        return np.zeros((height, width, *shape), dtype=dtype)
+        return large_arrays.zeros((height, width, *shape), dtype)
 
     triangle, inside = zeros(dtype=np.int32), zeros(dtype=np.bool_)
     return TexelMap(zeros(3), zeros(3), zeros(3), zeros(), zeros(3), triangle, inside)

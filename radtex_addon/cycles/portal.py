@@ -20,7 +20,8 @@ import numpy as np
 
 from ..bake.computed_rows import computed
 from ..bake.plan import MIN_IMAGE_SIDE, CapturePlan, Tile, sheet_seed
-from ..core.arrays import Floats
+from ..core import large_arrays
+from ..core.arrays import Floats, blocks
 from ..core.errors import BakeError
 from ..core.hemisphere import cell_centres
 from ..core.surface import GRAZING, ray_offset
@@ -76,8 +77,9 @@ class Aim:
 
         Packed like the plan's fields: (rows, columns, 3).
         """
-        offset = np.zeros((plan.rows * plan.columns, 3), dtype=np.float32)
-        offset[: len(self.shift), :2] = (self.shift - 0.5) / plan.layout.bucket
+        offset = large_arrays.zeros((plan.rows * plan.columns, 3))
+        for some in blocks(len(self.shift)):
+            offset[some, :2] = (self.shift[some] - 0.5) / plan.layout.bucket
         return offset.reshape(plan.rows, plan.columns, 3)
 
     def packed_starts(self, plan: CapturePlan) -> Floats:
@@ -85,9 +87,8 @@ class Aim:
         if self.starts is None:
             return plan.position
         count = len(self.starts)
-        whole = self.starts[np.minimum(np.arange(plan.rows * plan.columns), count - 1)]
-        packed: Floats = whole.reshape(plan.rows, plan.columns, -1)
-        return packed
+        rows = np.minimum(np.arange(plan.rows * plan.columns), count - 1)
+        return large_arrays.taken(self.starts, rows).reshape(plan.rows, plan.columns, -1)
 
 
 FIRST_ROW = "RadTex first row"  # label of the node with the sheet's first row in the images, plus 0.5

@@ -25,6 +25,7 @@ from ..bake.piece_store import NO_STORE, Arrays, PieceStore, in_shares
 from ..bake.plan import CapturePlan, Tile
 from ..bake.progress import Progress, Stage
 from ..bake.thumbnail import Thumbnail
+from ..core import large_arrays
 from ..core.arrays import Bools, Floats
 from ..settings.kinds import Kind
 from .passes import Passes, attributes_of, colour_of, light_of, raw_light_of
@@ -55,7 +56,7 @@ def capture_samples(
     count, cells = len(plan.texel), plan.layout.bucket**2
     aim = Aim(spread_shifts(count, seed), DIFFUSE + THROUGH)
     capture = PortalCapture(scene, plan, Kind.RADIANCE, 1, seed, folder, aim)
-    samples: Arrays = {name: np.empty((count, cells, 3), dtype=np.float16) for name in LOBES}
+    samples: Arrays = {name: large_arrays.empty((count, cells, 3), np.float16) for name in LOBES}
     samples["colour"] = np.empty((count, 3), dtype=np.float32)
     tiles = tiles_of(plan)
     names = [_name(LIGHT, tile) for tile in tiles]
@@ -76,7 +77,7 @@ def capture_samples(
 
 def _seen(square: Floats, hidden: Bools) -> Bools:
     """Which samples at bucket coordinates (K, S, 2) are in cells that are not `hidden` (K, m, m): (K, S)."""
-    seen = np.empty(square.shape[:2], dtype=bool)
+    seen = large_arrays.empty(square.shape[:2], bool)
     for first in range(0, len(seen), _TEXELS_AT_ONCE):
         some = slice(first, first + _TEXELS_AT_ONCE)
         cell = cells_of(square[some], hidden.shape[1])
@@ -111,7 +112,9 @@ def capture_ends(
         first = tiles[number].first_row * plan.columns
         found = store.get_or_make(names[number], partial(_trace_ends, ends, capture, tiles[number]))
         for name, part in found.items():
-            whole = parts.setdefault(name, np.empty((count, cells, 3), dtype=np.float16))
+            if name not in parts:
+                parts[name] = large_arrays.empty((count, cells, 3), np.float16)
+            whole = parts[name]
             whole[first : first + len(part)] = part.reshape(len(part), cells, 3)
     return EndSamples(plan, aim.squares(plan.layout.bucket), **parts)
 
@@ -142,7 +145,7 @@ def _name(what: str, tile: Tile) -> str:
 
 def straight_shifts(count: int) -> Floats:
     """Shifts that aim almost along the normal: the exact middle of a bucket has no azimuth."""
-    return np.full((count, 2), 0.51)
+    return np.broadcast_to(np.float64(0.51), (count, 2))
 
 
 def tiles_of(plan: CapturePlan, samples: int = 1) -> list[Tile]:

@@ -42,7 +42,7 @@ from ..scene.objects import find_object
 from ..scene.proxy_content import EVERYTHING, show_content_only
 from ..scene.regroup import leave_alone
 from ..scene.scratch import at_frame, find_view_layer, new_data_removed, scratch_scene
-from ..settings.cost import check_memory
+from ..settings.cost import check_disk, check_memory
 from ..settings.spec import BakeSpec, View
 from ..store.bake_folder import BakeFolder
 from ..store.output_files import BakeOutput, OutputFiles
@@ -287,6 +287,7 @@ def bake_unchecked(
         if spec.density is not None:
             spec = prepared.sized(spec)
             check_memory(spec)
+            check_disk(spec, files.sidecar.parent)
         if warns:
             _warn_of_map(prepared, spec)
         if thumbnail is not None and len(prepared.surface.triangles) <= COUNTED:

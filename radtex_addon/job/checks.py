@@ -33,7 +33,7 @@ from ..scene.proxy_content import find_content
 from ..scene.scratch import find_view_layer
 from ..scene.surfaces import may_have_faces
 from ..scene.uv.unwrap import check_unwrapper
-from ..settings.cost import check_memory
+from ..settings.cost import check_disk, check_memory
 from ..settings.spec import BakeSpec, CaptureMethod, View
 from ..store.bake_folder import BakeFolder
 from ..store.ownership import Overwrite
@@ -72,6 +72,7 @@ def check_request(
     place = BakeFolder(name, spec, folder, preview)
     check_outside_files()
     check_writable(folder)
+    check_disk(spec, folder)
     if (shown := place.files.preview) is not None:
         check_saveable(shown)
         if _is_open(shown):

@@ -7,13 +7,17 @@ Whether it fits into memory is no check of the specification, as machines differ
 
 from __future__ import annotations
 
+import shutil
+from contextlib import suppress
 from dataclasses import dataclass
 from math import prod
+from pathlib import Path
 
 from ..bake.session import BYTES_PER_PIXEL
-from ..core.errors import MemoryLimitError
+from ..core.errors import InputError, MemoryLimitError
 from ..core.messages import Setting, do
 from ..formats.disk.memory import physical_memory, readable_size
+from ..formats.disk.path_checks import nearest_folder
 from ..formats.image_files import Shapes
 from .spec import BakeSpec
 from .spec_checks import size_of
@@ -39,6 +43,27 @@ def check_memory(spec: BakeSpec) -> None:
             do("allow more", Setting.MEMORY),
             do("lower one of them"),
         )
+
+
+def check_disk(spec: BakeSpec, folder: Path) -> None:
+    """Raises InputError if the disk of the output's `folder` has no room for what a bake keeps there.
+
+    Only of a bake whose arrays do not stay in memory.
+    """
+    needed = spec.disk_bytes
+    if not needed:
+        return
+    with suppress(OSError):  # a disk that does not tell may have room
+        free = shutil.disk_usage(nearest_folder(folder)).free
+        if needed > free:
+            raise InputError(
+                f"{size_of(spec)} needs {readable_size(needed)} of the disk of {folder} while it is baked, "
+                f"{readable_size(free)} are free",
+                do("free its disk"),
+                do("choose another folder", Setting.OUT),
+                do("allow more memory", Setting.MEMORY),
+                do("lower one of them"),
+            )
 
 
 @dataclass(frozen=True)

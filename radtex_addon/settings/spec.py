@@ -57,6 +57,12 @@ _BYTES_PER_FINER_TEXEL = 100  # of the layered layout's maps of the material (me
 _BYTES_PER_BUCKET = 11_000  # of the layered layout's, while they are fitted (measured)
 _BYTES_PER_EARLIER_TEXEL, _BYTES_PER_EARLIER_BUCKET = 40, 4_000  # of a bake to accumulate on, float32
 _BYTES_PER_LAYERED_RAY = 20  # single paths in float16, and what the fit says of them; 60 % of texels covered
+_IN_MEMORY = 4 << 30  # bytes: a layered bake that would take more has its arrays in files
+# Of such a bake: what stays in memory, of each fine texel, bucket and texel …
+_BYTES_PER_FINER_IN_FILES, _BYTES_PER_BUCKET_IN_FILES, _BYTES_PER_TEXEL_IN_FILES = 30, 2_000, 500
+# … and what lies in files, of each fine texel, bucket, and ray.
+_FILE_BYTES_PER_FINER, _FILE_BYTES_PER_BUCKET, _FILE_BYTES_PER_RAY = 150, 15_000, 24
+_PIECE_BYTES_PER_RAY = 11  # of finished captures, for each ray; 60 % of texels covered
 # Names in keys that differ from the field's, as that is also the name of a digest of the scene.
 _IN_KEYS = {"objects": "objects that share the atlas", "lights": "lamps that are lit"}
 _MOST_FLOAT = 1e300  # of numbers in a specification: larger ones and NaN are refused
@@ -213,13 +219,58 @@ class BakeSpec(BakeOptions):
                 of_bands = max(of_bands, denoising_bytes(self.texels, self.bucket, self.channels))
             return self.texels**2 * (_BYTES_PER_TEXEL + self.bucket**2 // 8) + of_bands
         if self.form.by_paths:
-            fine, buckets = self.texels * finer(self.texels), self.texels / coarser(self.texels)
-            of_maps = fine**2 * _BYTES_PER_FINER_TEXEL + buckets**2 * _BYTES_PER_BUCKET
+            if not self.array_bytes:
+                return self._layered_bytes
+            fine, buckets = self._layered_sides
+            beside = fine**2 * _BYTES_PER_FINER_IN_FILES + buckets**2 * _BYTES_PER_BUCKET_IN_FILES
             if self.accumulate:
-                of_maps += fine**2 * _BYTES_PER_EARLIER_TEXEL + buckets**2 * _BYTES_PER_EARLIER_BUCKET
-            of_rays = self.texels**2 * self.layered_rays.of_texel * _BYTES_PER_LAYERED_RAY
-            return _BYTES_OF_PANORAMAS + int(of_maps) + of_rays
+                beside += self._earlier_bytes
+            return _BYTES_OF_PANORAMAS + int(beside) + self.texels**2 * _BYTES_PER_TEXEL_IN_FILES
         return self.pixel_count * self.channels * _BYTES_PER_CHANNEL
+
+    @property
+    def array_bytes(self) -> int:
+        """The most bytes of files in which a layered bake's arrays lie, 0 where all is in memory.
+
+        They lie in files where they would take more memory than is allowed, _IN_MEMORY if nothing is said.
+        """
+        allowed = _IN_MEMORY if self.memory_mb is None else self.memory_mb << 20
+        if not self.form.by_paths or self._layered_bytes <= allowed:
+            return 0
+        fine, buckets = self._layered_sides
+        of_maps = fine**2 * _FILE_BYTES_PER_FINER + buckets**2 * _FILE_BYTES_PER_BUCKET
+        return int(of_maps) + self.texels**2 * self.layered_rays.of_texel * _FILE_BYTES_PER_RAY
+
+    @property
+    def disk_bytes(self) -> int:
+        """The most that a layered bake whose arrays lie in files has on disk, its finished pieces included.
+
+        0 where all is in memory: pieces are as on the disk of any bake.
+        """
+        if not self.array_bytes:
+            return 0
+        return self.array_bytes + self.texels**2 * self.layered_rays.of_texel * _PIECE_BYTES_PER_RAY
+
+    @property
+    def _layered_bytes(self) -> int:
+        """What a layered bake takes with all its arrays in memory."""
+        fine, buckets = self._layered_sides
+        of_maps = fine**2 * _BYTES_PER_FINER_TEXEL + buckets**2 * _BYTES_PER_BUCKET
+        if self.accumulate:
+            of_maps += self._earlier_bytes
+        of_rays = self.texels**2 * self.layered_rays.of_texel * _BYTES_PER_LAYERED_RAY
+        return _BYTES_OF_PANORAMAS + int(of_maps) + of_rays
+
+    @property
+    def _earlier_bytes(self) -> float:
+        """What a layered bake takes to which samples are added."""
+        fine, buckets = self._layered_sides
+        return fine**2 * _BYTES_PER_EARLIER_TEXEL + buckets**2 * _BYTES_PER_EARLIER_BUCKET
+
+    @property
+    def _layered_sides(self) -> tuple[float, float]:
+        """Texels along a side of a layered bake's fine maps, and its buckets."""
+        return self.texels * finer(self.texels), self.texels / coarser(self.texels)
 
 
 def facts_of(spec: BakeSpec) -> dict[str, Any]:

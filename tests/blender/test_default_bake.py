@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -15,13 +16,15 @@ import numpy as np
 import pytest
 
 from radtex_addon.bake.progress import Stage
+from radtex_addon.core import large_arrays
 from radtex_addon.core.octahedron import cell_directions
 from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.forms.layered.files.layered_files import read_layered
 from radtex_addon.forms.layered.lookup.atlas import look_up
 from radtex_addon.job import bake_object, bake_steps
 from radtex_addon.settings import rays
-from radtex_addon.settings.spec import BakeSpec, Layout
+from radtex_addon.settings.choices import Backs
+from radtex_addon.settings.spec import BakeSpec, Layout, Unwrap
 from radtex_addon.ui.panel import panel_state
 from radtex_addon.ui.panel.main_panel import RADTEX_PT_bake
 from radtex_addon.ui.panel.settings_panels import RADTEX_PT_light, RADTEX_PT_surface
@@ -292,3 +295,33 @@ def test_the_panel_draws_the_line_and_no_setting_of_a_layout_that_was_not_chosen
     told_in_panel = " ".join(drawn(RADTEX_PT_bake).texts)
     assert "will look like a solid surface in the layered layout: " in told_in_panel
     assert "its material 'Smoke' has a volume" in told_in_panel
+
+
+def test_a_bake_with_little_memory_has_its_arrays_in_files_and_the_same_bytes(
+    card: Any, out: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bpy.ops.mesh.primitive_cube_add(size=0.5, location=(0.3, 0, 0.6))
+    context.object.data.materials.append(stage.material("Cube", "ShaderNodeBsdfDiffuse"))
+    for item in (context.object, card):
+        item.select_set(True)
+    context.view_layer.objects.active = card
+    bpy.ops.object.join()  # so that it mirrors itself
+    spec = BakeSpec(layout=Layout.LAYERED, texels=64, backs=Backs.NONE, unwrap=Unwrap.BLENDER)
+    bake_object(context.scene, "Card", spec, out / "memory")
+    tight = replace(spec, memory_mb=spec.atlas_bytes >> 20)
+    files: list[Path] = []
+    place = large_arrays._in_file
+
+    def in_file(folder: Path, *of: Any) -> Any:
+        files.append(folder)
+        return place(folder, *of)
+
+    monkeypatch.setattr(large_arrays, "LEAST", 1 << 12)
+    monkeypatch.setattr(large_arrays, "_in_file", in_file)
+    bake_object(context.scene, "Card", tight, out / "files")
+    assert len(files) > 50
+    assert {folder.parent for folder in files} == {out / "files"}
+    names = sorted(path.name for path in (out / "memory").iterdir())
+    assert names == sorted(path.name for path in (out / "files").iterdir())
+    for name in names:
+        assert (out / "files" / name).read_bytes() == (out / "memory" / name).read_bytes(), name

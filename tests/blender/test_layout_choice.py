@@ -87,7 +87,7 @@ REFUSED = {
     "--layer base": (as_asked(layers=(Layer.BASE,)), "the layered layout has no layers"),
     "--refresh": (as_asked(refresh=True), "the layered layout cannot be refreshed"),
     "--bucket 8": (as_asked(bucket=8), "the layered layout chooses its cells itself, 14 or fewer, not 8"),
-    "--texels 1024": (as_asked(texels=1024), "1024 texels at 16 samples would need"),
+    "--texels 4096": (as_asked(texels=4096), "4096 texels at 16 samples would need"),
     "--samples 5000": (as_asked(samples=5000), "samples in the layered layout 5000"),
 }
 
@@ -162,12 +162,12 @@ LINES = (
 def test_the_machine_has_no_say(card: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     """One with little memory refuses what it cannot, and says which way there is; it chooses nothing else."""
     answers = {}
-    for memory in (2**32, 2**36, None):
+    for memory in (2**31, 2**36, None):
         monkeypatch.setattr(cost, "physical_memory", lambda memory=memory: memory)
         for line in LINES:
-            if (memory, line) == (2**32, "--texels 640"):
+            if (memory, line) == (2**31, "--texels 1024"):
                 with pytest.raises(
-                    InputError, match=r"has 4\.0 GiB: lower one of them, or choose layout buckets"
+                    InputError, match=r"has 2\.0 GiB: lower one of them, or choose layout buckets"
                 ):
                     asked(line)
             else:
@@ -181,10 +181,10 @@ def test_the_machine_has_no_say(card: Any, monkeypatch: pytest.MonkeyPatch) -> N
 
 def test_what_would_take_very_much_memory_is_plain() -> None:
     assert asked("--texels 640").spec.layout is Layout.LAYERED
-    assert asked("--texels 1024 --samples 4").spec.layout is Layout.LAYERED
-    plain = asked("--texels 896")
-    assert plain.spec == as_asked(texels=896)
-    assert plain.reason == "896 texels at 16 samples would need 10.9 GiB of memory"
+    assert asked("--texels 2048").spec.layout is Layout.LAYERED
+    plain = asked("--texels 4096")
+    assert plain.spec == as_asked(texels=4096)
+    assert plain.reason.startswith("4096 texels at 16 samples would need ")
 
 
 def begin(folder: Path, spec: BakeSpec) -> None:

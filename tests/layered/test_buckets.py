@@ -4,9 +4,12 @@
 
 from __future__ import annotations
 
+import tracemalloc
+
 import numpy as np
 import pytest
 
+from radtex_addon.bake import blocks
 from radtex_addon.bake.computed_rows import computed
 from radtex_addon.bake.light_samples import mirrored, spread_shifts
 from radtex_addon.bake.pooling import Taps
@@ -17,6 +20,7 @@ from radtex_addon.forms.layered.capture.panoramas import panorama_directions
 from radtex_addon.forms.layered.fit import bucket_grid
 from radtex_addon.forms.layered.fit.bucket_grid import Block, BucketGrid
 from radtex_addon.forms.layered.fit.buckets import ALL_PARTS, FittedBuckets, Parts, fit_buckets, free_share
+from radtex_addon.forms.layered.fit.own_light import OwnLight
 from radtex_addon.forms.layered.fit.rows import halved, random_half
 from radtex_addon.forms.layered.fit.view_dependence import fit_harmonics
 from radtex_addon.forms.layered.lookup.environment import Around, Pictures
@@ -166,3 +170,25 @@ def test_buckets_without_samples_have_no_harmonics() -> None:
     direction = np.broadcast_to(np.array([0, 0, 1], np.float32), (*shape, 3))
     found = fit_harmonics(direction, np.ones((*shape, 3)), np.zeros(shape, np.float32), grid, 0.03)
     np.testing.assert_array_equal(found, np.zeros((len(grid), 9, 3)))
+
+
+def test_few_rays_of_many_texels_are_summed_in_little_memory(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(blocks, "THREADS", 2)
+    plan = flat_plan(128, 16)
+    grid = BucketGrid.of(plan, 2)
+    count = np.zeros(len(plan.texel), dtype=np.int64)
+    count[::100] = 1
+    rays = int(count.sum())
+    place = places_of(np.full((2, rays), 0.3, np.float32))
+    own = OwnLight(
+        np.cumsum(count) - count, count, place, np.ones(rays, np.float32), np.ones((3, rays), np.float32)
+    )
+    tracemalloc.start()
+    try:
+        shown = own.buckets(grid, 14)
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    print(f"\n{peak >> 20} MiB")
+    assert shown.shape == (3, len(grid), 14 * 14)
+    assert peak < 12 * shown.nbytes

@@ -5,7 +5,10 @@
 from __future__ import annotations
 
 import math
+import shutil
 from dataclasses import FrozenInstanceError
+from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -16,7 +19,7 @@ from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.errors import InputError
 from radtex_addon.forms import cost_of
 from radtex_addon.settings import cost
-from radtex_addon.settings.cost import check_memory
+from radtex_addon.settings.cost import check_disk, check_memory
 from radtex_addon.settings.spec import BakeSpec, CaptureMethod, Compression, Kind, Layout, Unwrap, View
 from radtex_addon.settings.texel_density import MOST_TEXELS, parse_density, side_for
 
@@ -81,6 +84,45 @@ def test_a_bake_beyond_the_memory_that_is_allowed_is_refused(
     monkeypatch.setattr(cost, "physical_memory", lambda: None)
     said = refusal(texels=512, memory_mb=64, **other)
     assert "of memory beside the scene, 64 MiB are allowed: allow more, or lower one" in said
+
+
+def test_a_large_layered_bake_has_its_arrays_in_files(monkeypatch: pytest.MonkeyPatch) -> None:
+    gib = 2**30
+    small, middle, large, huge = (BakeSpec(layout=Layout.LAYERED, texels=n) for n in (256, 1024, 2048, 4096))
+    assert small.array_bytes == small.disk_bytes == 0
+    assert 5 * gib < middle.array_bytes < middle.disk_bytes < large.disk_bytes
+    assert middle.atlas_bytes < 4 * gib
+    assert large.atlas_bytes < 8 * gib < huge.atlas_bytes
+    plenty = BakeSpec(layout=Layout.LAYERED, texels=1024, memory_mb=64 << 10)
+    assert plenty.array_bytes == 0
+    assert plenty.atlas_bytes > 8 * gib
+    tight = BakeSpec(layout=Layout.LAYERED, texels=256, memory_mb=1000)
+    assert tight.array_bytes > 0
+    assert tight.atlas_bytes < small.atlas_bytes
+    assert BakeSpec(texels=4096, memory_mb=6000).array_bytes == 0, "buckets stream"
+    monkeypatch.setattr(cost, "physical_memory", lambda: 8 * gib)
+    check_memory(large)
+
+
+def test_a_disk_without_room_for_the_arrays_is_refused_by_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[Path] = []
+
+    def usage(folder: Path) -> Any:
+        asked.append(folder)
+        return SimpleNamespace(free=3 << 30)
+
+    monkeypatch.setattr(shutil, "disk_usage", usage)
+    folder = tmp_path / "not" / "there"
+    with pytest.raises(InputError) as caught:
+        check_disk(BakeSpec(layout=Layout.LAYERED, texels=1024), folder)
+    said = str(caught.value)
+    assert f"of the disk of {folder} while it is baked, 3.0 GiB are free: free its disk, or choose" in said
+    assert "a side of 1024 texels with 14 cells needs" in said
+    assert asked == [tmp_path]
+    check_disk(BakeSpec(layout=Layout.LAYERED, texels=256), folder)
+    check_disk(BakeSpec(texels=1024), folder)
 
 
 def test_the_layered_layout_chooses_its_cells_itself_and_takes_few_more_paths_at_most() -> None:

@@ -20,6 +20,7 @@ import numpy as np
 import numpy.typing as npt
 import OpenEXR
 
+from ...core import large_arrays
 from ...core.arrays import Floats
 from ...core.colour_spaces import REC_709
 from ...core.errors import BakeError, FormatError, ShapeError
@@ -178,7 +179,7 @@ def stored_rows(path: Path, pixels: Floats, half: bool) -> tuple[Floats, int]:
     """
     kind = np.float16 if half else np.float32
     most = HALF_MOST if half else float(np.finfo(np.float32).max)
-    rows: Floats = np.empty(pixels.shape, dtype=kind)
+    rows: Floats = large_arrays.empty(pixels.shape, kind)
     clamped = wrong = 0
     for first in range(0, len(pixels), _ROWS):
         some = pixels[::-1][first : first + _ROWS]

@@ -9,6 +9,7 @@ and fitted to the same lobes; the light that is kept is the mean of both fits, b
 from __future__ import annotations
 
 from collections.abc import Generator
+from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,8 +18,11 @@ import numpy as np
 from ...bake.progress import Progress, Stage
 from ...core.arrays import Floats
 from ...core.atlas import AtlasLayout
-from ...core.errors import InputError
+from ...core.errors import BakeError, InputError
+from ...core.large_arrays import arrays_in_files
 from ...core.messages import Setting, do
+from ...formats.disk.atomic import refusal
+from ...formats.disk.temporary import hidden_folder
 from ...formats.image_files import layer_path
 from ...formats.sidecar import Sidecar
 from ...settings.spec import BakeSpec
@@ -82,7 +86,22 @@ def read_earlier(sidecar: Path, bake: Sidecar, materials: int) -> tuple[LayeredA
 
 
 def bake_layered(job: BakeJob) -> Generator[Progress, None, Outcome]:
-    """As `Form.bake`; every finished capture is stored."""
+    """As `Form.bake`; every finished capture is stored.
+
+    Where not all fits into memory, the large arrays lie in files beside the output.
+    """
+    if not job.spec.array_bytes:
+        return (yield from _bake(job))
+    with ExitStack() as files:
+        try:
+            folder = files.enter_context(hidden_folder(job.sidecar.parent))
+        except OSError as error:
+            raise BakeError(refusal(job.sidecar, error)) from error
+        files.enter_context(arrays_in_files(folder))
+        return (yield from _bake(job))
+
+
+def _bake(job: BakeJob) -> Generator[Progress, None, Outcome]:
     spec, prepared = job.spec, job.prepared
     facts, known = prepared.facts(spec), None
     _check_materials(prepared.name, material_count(prepared))

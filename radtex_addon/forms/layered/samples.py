@@ -10,6 +10,7 @@ import numpy as np
 
 from ...bake.light_samples import EndSamples, LightSamples, LobeSamples
 from ...bake.plan import CapturePlan
+from ...core import large_arrays
 from ...core.arrays import Bools, Floats, Ints
 from .fit.light_map import LightMap
 from .lookup.environment import Around
@@ -70,16 +71,18 @@ class OwnRays:
 
     def without(self, some: Bools) -> OwnRays:
         """Count `some` (K, S) of the rays that hit as free: the surroundings show what they meet."""
-        left = ~some[self.hit]
-        light = None if self.light is None else self.light[left]
-        return replace(self, hit=self.hit & ~some, met=self.met[left], place=self.place[left], light=light)
+        left = np.flatnonzero(~some[self.hit])
+        met, place = large_arrays.taken(self.met, left), large_arrays.taken(self.place, left)
+        light = None if self.light is None else large_arrays.taken(self.light, left)
+        return replace(self, hit=self.hit & ~some, met=met, place=place, light=light)
 
     def with_misled(self, misled: Bools, place: Floats, light: Floats, asked: Bools | None) -> OwnRays:
         """Add rays (K, S) that are misled, M of them, each one's `place` (M, 3) and `light`; and `asked`."""
         hit = self.hit | misled
         was = self.hit[hit]
-        met = np.full(len(was), -1, dtype=np.int32)
-        places, lights = (np.zeros((len(was), 3), dtype=np.float32) for _ in range(2))
+        met = large_arrays.empty(len(was), np.int32)
+        places, lights = (large_arrays.zeros((len(was), 3)) for _ in range(2))
+        met[:] = -1
         met[was], places[was], places[~was], lights[~was] = self.met, self.place, place, light
         if self.light is not None:
             lights[was] = self.light

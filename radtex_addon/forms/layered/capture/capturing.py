@@ -20,6 +20,7 @@ from ....bake.plan import CapturePlan, plan_capture
 from ....bake.progress import Progress, Stage, StageParts, Steps, relayed
 from ....bake.thumbnail import Thumbnail
 from ....core.arrays import Bools, Floats, Ints
+from ....core.large_arrays import stowed
 from ....core.texel_map import TexelMap
 from ....cycles.path_ends import Body, path_ends
 from ....cycles.sampling import capture_ends, capture_samples
@@ -402,7 +403,8 @@ class _Captures:
                     found["width"] = plan.placed(width, gutter=True)
             return cast(Arrays, found)
 
-        return dict(self.store.get_or_make(f"maps-{name}", capture))
+        kept = self.store.get_or_make(f"maps-{name}", capture)
+        return {name: stowed(values) for name, values in kept.items()}
 
     def _own(self, ready: _Ready) -> OwnRays:
         """What the objects show of themselves."""
@@ -426,6 +428,7 @@ class _Captures:
         return self._own_of(plan, self.store.get_or_make(Part.OWN, capture))
 
     def _own_of(self, plan: CapturePlan, kept: Mapping[str, Any]) -> OwnRays:
+        kept = {name: stowed(values) for name, values in kept.items()}
         hit = cast(Bools, kept["hit"])
         samples = own_samples(plan, own_aim(plan, self.spec.seed), hit)
         return OwnRays(samples, hit, cast(Ints, kept["met"]), kept["place"], kept.get("light"))

@@ -16,6 +16,7 @@ import bpy
 import numpy as np
 
 from ....bake.plan import CapturePlan
+from ....core import large_arrays
 from ....core.arrays import Floats, Ints
 from ....core.moved_points import moved_points
 from ....core.surface import SurfaceMesh
@@ -127,7 +128,10 @@ def capture_gloss(
         cycles = cast(Any, ends.scene).cycles
         cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0.0
         with ends.named_alike():
-            total = np.sum([_seen(ends.scene, plan, seed, folder) for plan in plans], axis=0)
+            seen = (_seen(ends.scene, plan, seed, folder) for plan in plans)
+            total = next(seen)
+            for each in seen:
+                total += each
     coded, light = total.T
     width = np.full((len(light), 1), np.nan, dtype=np.float32)
     known = light > 0
@@ -140,8 +144,11 @@ def _seen(scene: bpy.types.Scene, plan: CapturePlan, seed: int, folder: Path) ->
     with scene_copied(scene) as copy:
         aim = Aim(straight_shifts(len(plan.texel)))
         capture = PortalCapture(copy, plan, Kind.RADIANCE, 1, seed, folder, aim)
-        parts = [capture.render_passes(tile).raw_whole[..., :2].reshape(-1, 2) for tile in tiles_of(plan)]
-    return np.concatenate(parts)
+        parts = [
+            large_arrays.copied(capture.render_passes(tile).raw_whole[..., :2].reshape(-1, 2))
+            for tile in tiles_of(plan)
+        ]
+    return large_arrays.concatenated(parts)
 
 
 def _shaders(tree: Any, seen: set[Any]) -> Iterator[Any]:

@@ -23,6 +23,7 @@ from ....bake.piece_store import Arrays, PieceStore, in_shares
 from ....bake.plan import CapturePlan, Tile, plan_of_picked
 from ....bake.pooling import Neighbours
 from ....bake.progress import Progress, Stage, Steps
+from ....core import large_arrays
 from ....core.arrays import Bools, Floats, Ints
 from ....core.gutter import nearest_covered
 from ....cycles.denoiser import image_denoiser
@@ -95,8 +96,8 @@ def _traced(
 
     The mean of points `within` each texel; NaN where no path is wanted, or the colour is too dark.
     """
-    points: Floats = np.stack(
-        [plan.points + _INWARDS * (each.points - plan.points) for each in within], axis=1
+    points: Floats = large_arrays.stacked(
+        plan.points + _INWARDS * (each.points - plan.points) for each in within
     )
     points = _on_this_side(scratch, plan, points, wanted > 0)
     found = np.full((2, len(wanted), 3), np.nan, dtype=np.float32)
@@ -157,7 +158,7 @@ def _on_this_side(scratch: bpy.types.Scene, plan: CapturePlan, points: Floats, s
         return points
     cast: Any = things.tree(np.ones(len(things.corners), dtype=bool)).ray_cast
     own, normals = plan.points.astype(np.float64), plan.normals
-    found, corners = points.copy(), _corners(points.shape[1])
+    found, corners = large_arrays.copied(points), _corners(points.shape[1])
 
     def is_parted(texel: int, number: int) -> bool:
         way = points[texel, number] - own[texel]

@@ -16,6 +16,7 @@ import bpy
 import numpy as np
 
 from ....bake.plan import CapturePlan
+from ....core import large_arrays
 from ....core.arrays import Floats
 from ....core.hemisphere import square_to_direction
 from ....cycles.capture_settings import first_hit_only
@@ -47,7 +48,7 @@ def _looks(plan: CapturePlan, slanted: bool) -> tuple[CapturePlan, Aim, Floats]:
     if slanted:
         plan = replace(plan, layout=replace(plan.layout, bucket=_SLANTS))
     aim = Aim(straight_shifts(len(plan.texel)))
-    cosine = square_to_direction(aim.square(plan.layout.bucket)[0])[..., 2:]
+    cosine = square_to_direction(aim.squares(plan.layout.bucket)[:1][0])[..., 2:]
     return plan, aim, (cosine / cosine.sum()).astype(np.float32)
 
 
@@ -72,9 +73,10 @@ def capture_maps(
     for tile in tiles_of(looks):
         passes = capture.render_passes(tile)
         for name in _COLOURS:
-            found[name].append(mean(colour_of(passes, name)))
-        found["normal"].append(mean(light_of(passes, "normal")))
-    return {name: plan.placed(np.concatenate(parts), gutter=True) for name, parts in found.items()}
+            found[name].append(large_arrays.stowed(mean(colour_of(passes, name))))
+        found["normal"].append(large_arrays.stowed(mean(light_of(passes, "normal"))))
+    whole = {name: large_arrays.concatenated(found.pop(name)) for name in list(found)}
+    return {name: plan.placed(whole.pop(name), gutter=True) for name in list(whole)}
 
 
 def capture_alpha(
@@ -100,7 +102,10 @@ def capture_alpha(
         ends.scene.world = dark_world()
         capture = PortalCapture(ends.scene, looks, Kind.RADIANCE, 1, seed, folder, aim)
         first_hit_only(ends.scene)
-        seen = [capture.render_passes(tile).raw_whole[..., :3].reshape(-1, 3) for tile in tiles_of(looks)]
-    through = np.concatenate(seen).mean(axis=1).reshape(-1, len(weight)) @ weight[:, 0]
+        seen = [
+            capture.render_passes(tile).raw_whole[..., :3].reshape(-1, 3).mean(axis=1)
+            for tile in tiles_of(looks)
+        ]
+    through = np.concatenate(seen).reshape(-1, len(weight)) @ weight[:, 0]
     alpha: Floats = 1 - np.clip(through, 0, 1)
     return alpha.astype(np.float32)

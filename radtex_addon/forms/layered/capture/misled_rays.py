@@ -27,6 +27,7 @@ import numpy as np
 from ....bake.blocks import in_blocks
 from ....bake.light_samples import mirrored
 from ....bake.plan import CapturePlan
+from ....core import large_arrays
 from ....core.arrays import Bools, Floats
 from ....cycles.path_ends import Body, path_ends
 from ....cycles.portal import PortalCapture
@@ -96,12 +97,14 @@ def find_misled(
     with scene_copied(scratch) as copy:
         for some, ends in _ends(copy, unseen, others, plan, seed, folder):
             found += judge.judged(some, ends)
-    rays, place, known, told, shown = (np.concatenate(parts) for parts in zip(*found, strict=True))
+    rays, place, known, told, shown = (large_arrays.concatenated(parts) for parts in zip(*found, strict=True))
+    del found
     if faceless:
         rays, place, known, told = np.zeros_like(rays), place[:0], known[:0], told[:0]
     if rays.mean() < _FEW and not shown.any():
         return None
-    light = np.full(place.shape, np.nan, dtype=np.float32)
+    light = large_arrays.empty(place.shape)
+    light[:] = np.nan
     traced = _traced(rays, ~known, most)
     asked = np.zeros(len(rays), dtype=bool)
     asked[np.nonzero(rays)[0][traced]] = True

@@ -14,6 +14,7 @@ import numpy as np
 from ....bake.light_samples import EndSamples, LightSamples
 from ....bake.piece_store import NO_STORE, Arrays, PieceStore
 from ....bake.plan import CapturePlan
+from ....core import large_arrays
 from ....core.arrays import Floats, Ints
 from ....core.errors import InputError
 from ....core.sampler import bilinear
@@ -24,6 +25,7 @@ from ..samples import LayeredSamples
 from .material_maps import capture_alpha
 from .surface_alone import Clear
 
+_ROWS = 1 << 12  # texels whose samples are in hand at once
 _OPAQUE = 0.998  # alpha, from which on all of it counts as 1
 _CUT = 0.05  # alpha, below which a texel's own samples tell too little
 
@@ -71,18 +73,23 @@ class Opacity:
 
 def _bare_light(light: LightSamples, alpha: Floats) -> LightSamples:
     lobes = (light.diffuse, light.mirrored, light.through)
-    diffuse, mirrored, through = (_limited(lobe / alpha[:, None]) for lobe in lobes)
+    diffuse, mirrored, through = (_limited(lobe, alpha) for lobe in lobes)
     return replace(light, colour=light.colour / alpha, diffuse=diffuse, mirrored=mirrored, through=through)
 
 
 def _bare_ends(ends: EndSamples, alpha: Floats) -> EndSamples:
-    mirrored, through = (_limited(w / alpha[:, None]) for w in (ends.mirrored_weight, ends.through_weight))
+    mirrored, through = (_limited(weight, alpha) for weight in (ends.mirrored_weight, ends.through_weight))
     return replace(ends, mirrored_weight=mirrored, through_weight=through)
 
 
-def _limited(values: Floats) -> Floats:
-    limited: Floats = np.minimum(values, 65504).astype(np.float16)
-    return limited
+def _limited(values: Floats, alpha: Floats) -> Floats:
+    """Values (K, S, 3) over alpha (K, 1), as half floats."""
+
+    def limited(some: slice) -> Floats:
+        found: Floats = np.minimum(values[some] / alpha[some, None], 65504).astype(np.float16)
+        return found
+
+    return large_arrays.from_blocks(len(values), limited, _ROWS)
 
 
 def find_opacity(

@@ -14,6 +14,7 @@ import numpy as np
 
 from ....bake.light_samples import Axis, LobeSamples, spread_shifts
 from ....bake.plan import CapturePlan, plan_of_some
+from ....core import large_arrays
 from ....core.arrays import Bools, Floats, Ints
 from ....core.gutter import nearest_covered
 from ....core.surface import SurfaceMesh
@@ -83,11 +84,13 @@ def capture_own_rays(
         for tile in tiles_of(plan):
             coded = capture.render_passes(tile).raw_whole[..., :3].reshape(-1, count, 3)
             hits.append(coded[..., 2] > 0.5)
-            told.append(coded[hits[-1]])
-    hit, seen = np.concatenate(hits), np.concatenate(told)
+            told.append(large_arrays.stowed(coded[hits[-1]]))
+    hit, seen = large_arrays.concatenated(hits), large_arrays.concatenated(told)
     inside = seen[:, 2] < _COVERED + 0.5
-    met, place = np.full(len(seen), -1, dtype=np.int32), np.zeros((len(seen), 3), dtype=np.float32)
-    met[inside], place[inside] = texels_met(plan, surface, triangle, seen[inside, :2] - 1)
+    met, place = texels_met(
+        plan, surface, triangle, large_arrays.from_blocks(len(seen), lambda some: seen[some, :2] - 1)
+    )
+    met[~inside], place[~inside] = -1, 0
     light = None if inside.all() else light_along(scene, plan, aim, hit, ~inside, seed, folder)
     return OwnRays(own_samples(plan, aim, hit), hit, met, place, light)
 
@@ -108,7 +111,7 @@ def light_along(
     part = plan_of_some(plan, some)
     aim = Aim(aim.shift[some])
     capture = PortalCapture(scene, part, Kind.REFLECTION, 1, seed, folder, aim)
-    light, first = np.zeros((len(row), 3), dtype=np.float32), 0
+    light, first = large_arrays.zeros((len(row), 3)), 0
     texels, start = np.flatnonzero(some), np.searchsorted(row, np.arange(len(hit) + 1))
     for tile in tiles_of(part):
         found = capture.render_passes(tile).whole[..., :3].reshape(-1, plan.layout.bucket**2, 3)
@@ -137,15 +140,15 @@ def texels_met(plan: CapturePlan, surface: SurfaceMesh, triangle: Ints, uv: Floa
     `triangle` (K,) is each texel's in `surface`. Where the plan has no texel, the nearest one in the atlas.
     """
     width, height = plan.layout.width, plan.layout.height
-    frames = _uv_frames(surface, triangle)
+    frames, corner = _uv_frames(surface, triangle), surface.uv[triangle, 0]
     number = np.full(width * height, -1, dtype=np.int32)
     number[plan.texel] = np.arange(len(plan.texel), dtype=np.int32)
     rows, columns = nearest_covered((number >= 0).reshape(height, width))
     filled = number.reshape(height, width)[rows, columns]
-    met, place = np.empty(len(uv), dtype=np.int32), np.empty((len(uv), 3), dtype=np.float32)
+    met, place = large_arrays.empty(len(uv), np.int32), large_arrays.empty((len(uv), 3))
     for first in range(0, len(uv), _AT_ONCE):
         some = slice(first, first + _AT_ONCE)
-        met[some], place[some] = _met(plan, filled, frames, surface.uv[triangle, 0], uv[some])
+        met[some], place[some] = _met(plan, filled, frames, corner, uv[some])
     return met, place
 
 
@@ -173,6 +176,14 @@ def _met(
 
 def _uv_frames(surface: SurfaceMesh, triangle: Ints) -> tuple[Floats, Floats]:
     """Of triangles (K,) the first corners (K, 3), and how places change with u and v, (K, 3, 2), or NaN."""
+    first = large_arrays.from_blocks(
+        len(triangle), lambda some: surface.position[surface.triangles[triangle[some], 0]]
+    )
+    return first, large_arrays.from_blocks(len(triangle), lambda some: _uv_slopes(surface, triangle[some]))
+
+
+def _uv_slopes(surface: SurfaceMesh, triangle: Ints) -> Floats:
+    """How places on triangles (K,) change with u and v, (K, 3, 2), or NaN."""
     corners, uv = surface.position[surface.triangles[triangle]], surface.uv[triangle]
     edges = np.stack([corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]], axis=2)
     first, second = uv[:, 1] - uv[:, 0], uv[:, 2] - uv[:, 0]
@@ -185,7 +196,8 @@ def _uv_frames(surface: SurfaceMesh, triangle: Ints) -> tuple[Floats, Floats]:
         ],
         axis=1,
     )
-    return corners[:, 0], np.einsum("fce,fea->fca", edges, inverse) / area[:, None, None]
+    slopes: Floats = np.einsum("fce,fea->fca", edges, inverse) / area[:, None, None]
+    return slopes
 
 
 def sides_of(surface_uv: Floats, mesh: bpy.types.Mesh, inside: Bools) -> SurfaceUV:

@@ -15,6 +15,7 @@ from itertools import accumulate
 
 import numpy as np
 
+from ....core import large_arrays
 from ....core.arrays import Floats
 from ..lookup.atlas import LayeredAtlas
 from ..lookup.edge_grid import EdgeImpostor, EdgePictures, on_edges
@@ -162,9 +163,9 @@ def tiled(buckets: Floats) -> Floats:
     columns, rows = padded_size((width, height))
     more = [(0, rows - height), (0, columns - width), (0, 0), (0, 0), (0, 0)]
     wide = np.pad(buckets, more, mode="edge") if (rows, columns) != (height, width) else buckets
-    return np.ascontiguousarray(
-        np.moveaxis(wide, (2, 3), (0, 2)).reshape(n * rows, n * columns, buckets.shape[4])
-    )
+    image = large_arrays.empty((n, rows, n, columns, buckets.shape[4]), wide.dtype)
+    image[:] = np.moveaxis(wide, (2, 3), (0, 2))
+    return image.reshape(n * rows, n * columns, buckets.shape[4])
 
 
 def untiled(image: Floats, n: int, size: tuple[int, int]) -> Floats:

@@ -18,6 +18,7 @@ from ....bake.blocks import SAMPLES_AT_ONCE, side_by_side
 from ....bake.light_samples import Some
 from ....bake.plan import CapturePlan, plan_of_some
 from ....bake.pooling import Blur, Neighbours, Taps, corner_and_fractions, corner_cells, corners
+from ....core import large_arrays
 from ....core.arrays import Bools, Floats, Ints
 from ....core.atlas import AtlasLayout
 from ....core.gutter import dilate, nearest_covered
@@ -202,7 +203,7 @@ class BucketGrid:
         """Tables (C, B, n*n), channels after channels, as buckets (h, w, n, n, C), gutter filled."""
         n = round(tables[0].shape[2] ** 0.5)
         height, width = self.size
-        image = np.zeros((height * width, n * n, sum(map(len, tables))), dtype=np.float32)
+        image = large_arrays.zeros((height * width, n * n, sum(map(len, tables))))
         for number, channel in enumerate(channel for table in tables for channel in table):
             image[self.place, :, number] = channel
         covered = np.zeros(height * width, dtype=bool)

@@ -18,6 +18,7 @@ import numpy as np
 
 from ....bake.blocks import planes
 from ....bake.light_samples import LightSamples, LobeSamples
+from ....core import large_arrays
 from ....core.arrays import Bools, Floats
 from ....core.colour_spaces import LUMINANCE
 from ..cells import CELLS, CLEAR
@@ -37,6 +38,7 @@ _LITTLE = 0.02  # … below which it may mirror nothing of itself, by the sample
 _NONE = 1e-3  # … below which it does not
 _TELLS = 1e-3  # of the samples' error: by how much own light must lessen it to be worth its fetches
 _SEED = 2
+_ROWS = 1 << 12  # texels whose samples are in hand at once
 
 
 def free_share(rays: LobeSamples, hit: Bools, grid: BucketGrid, cells: int) -> Floats:
@@ -46,7 +48,7 @@ def free_share(rays: LobeSamples, hit: Bools, grid: BucketGrid, cells: int) -> F
     """
     if not hit.any():
         return np.ones((1, len(grid), cells * cells), dtype=np.float32)
-    table = np.empty((2, len(grid), cells * cells), dtype=np.float32)
+    table = large_arrays.empty((2, len(grid), cells * cells))
 
     def sum_up(block: Block) -> None:
         _, place = rays.along(block.texels)
@@ -61,7 +63,7 @@ def free_share(rays: LobeSamples, hit: Bools, grid: BucketGrid, cells: int) -> F
         free: Floats = (own[0] + prior * usual) / (own[1] + prior)
         return free[None]
 
-    return grid.pool(table, grid.neighbours.pool_further, share).copy()
+    return large_arrays.copied(grid.pool(table, grid.neighbours.pool_further, share))
 
 
 @dataclass(frozen=True)
@@ -108,7 +110,7 @@ def fit_buckets(
     of_own, cells = choices[0] if len(choices) == 1 else fit.best(choices)
     model = fit.model(surface.grid, of_own)
     (shown,) = fit.shown([model])
-    rest: Floats = np.zeros((3, len(surface.grid), cells * cells), dtype=np.float32)
+    rest: Floats = large_arrays.zeros((3, len(surface.grid), cells * cells))
     if parts.rest:
         rest = fit.rest(model, shown, used, cells, 1.0 if known is None else known.share)
     return FittedBuckets(model.own, model.free, rest)
@@ -163,7 +165,7 @@ class _Fit:
     def model(self, grid: BucketGrid, cells: int) -> _Model:
         surface = self.surface
         if cells == CLEAR[0][0]:
-            own = np.zeros((4, len(grid), cells * cells), dtype=np.float32)
+            own = large_arrays.zeros((4, len(grid), cells * cells))
             own[3] = 1
             return _Model(grid, own[:3], own[3:])
         if grid is surface.grid and cells == surface.cells:
@@ -171,7 +173,7 @@ class _Fit:
         else:
             free = free_share(self.rays.rays, self.rays.hit, grid, cells)
         if self.own is None:
-            return _Model(grid, np.zeros((3, *free.shape[1:]), dtype=np.float32), free)
+            return _Model(grid, large_arrays.zeros((3, *free.shape[1:])), free)
         return _Model(grid, self.own.buckets(grid, cells), free)
 
     def shown(self, models: Sequence[_Model]) -> list[Floats]:
@@ -179,7 +181,7 @@ class _Fit:
         surface, grid, square = self.surface, models[0].grid, self.light.square
         offset = (surface.plan.points - surface.around.middle).astype(np.float32)
         number, each = np.arange(len(self.used)), self.used.shape[1]
-        shown = [np.empty((3, *self.used.shape), dtype=np.float16) for _ in models]
+        shown = [large_arrays.empty((3, *self.used.shape), np.float16) for _ in models]
 
         def look(block: Block) -> None:
             some = block.texels
@@ -218,7 +220,8 @@ class _Fit:
         brightness, samples count as no brighter.
         """
         grid, light, most = model.grid, self.light.mirrored, np.float32(BRIGHTEST * self.level)
-        rest = self.rest(model, shown, self.used & half, cells)
+        fitted = large_arrays.from_blocks(len(half), lambda some: self.used[some] & half[some], _ROWS)
+        rest = self.rest(model, shown, fitted, cells)
 
         def squares(block: Block) -> float:
             some = block.texels

@@ -15,6 +15,7 @@ import numpy as np
 from ....bake.blocks import in_blocks, planes
 from ....bake.light_samples import LightSamples
 from ....bake.pooling import SHARE, Neighbours
+from ....core import large_arrays
 from ....core.arrays import Floats, Ints
 from ....core.colour_spaces import LUMINANCE
 from ....core.hemisphere import square_to_direction
@@ -60,7 +61,7 @@ def _mean(values: Floats, own: Ints) -> float:
 
 def facing_of(light: LightSamples) -> Floats:
     """N.I of the samples, (K, S); 0 for those that do not count."""
-    facing = np.empty(light.seen.shape, dtype=np.float32)
+    facing = large_arrays.empty(light.seen.shape)
 
     def look(some: slice) -> None:
         cosine = _cosine(light.square[some])

@@ -11,11 +11,13 @@ from typing import cast
 import numpy as np
 
 from ....bake.blocks import in_blocks
+from ....bake.computed_rows import computed
 from ....bake.light_samples import EndSamples
 from ....bake.plan import CapturePlan
 from ....bake.pooling import Neighbours
 from ....bake.progress import Progress, Stage
-from ....core.arrays import Bools, Floats
+from ....core import large_arrays
+from ....core.arrays import Bools, Floats, Ints, blocks
 from ....core.octahedron import cell_directions
 from ....settings.rays import coarser
 from ..cells import CELLS
@@ -28,6 +30,7 @@ from .bucket_grid import BucketGrid
 from .buckets import ALL_PARTS, Parts, fit_buckets, free_share
 from .diffuse import facing_of, fit_falloffs, fit_irradiance
 from .known import Known
+from .light_map import LightMap
 from .lobes import Paths
 from .own_light import Surface
 from .texel_maps import mean_colours, shading_normals, tints
@@ -37,6 +40,7 @@ from .view_dependence import view_dependence
 from .widths import Lobes, fit_lobes
 
 _STEPS = 5  # of progress
+_ROWS = 1 << 12  # texels whose samples are in hand at once
 _ABOVE = 1.1 * LOWEST  # sine above mesh and facet: of axes that are lower, Cycles turns the shading normal
 _FREE = 0.98  # of a direction, above which a path is taken to leave the object straight away
 
@@ -49,7 +53,7 @@ def fit_layered(
     light, plan = capture.light, capture.light.plan
     neighbours = Neighbours(plan)
     facing = facing_of(light)
-    used = facing > 0
+    used = _counted(facing)
     around = _around(capture.around, parts)
     maps = (capture.fine, capture.coarse)
     normal, normal_map = shading_normals(plan, *maps, parts.normals)
@@ -91,14 +95,14 @@ def fit_layered(
     rest = found.rest
     if parts.rest:
         cells = found.rest_cells
-        alike = used if capture.light_map is None else used & ~capture.light_map.edge[:, None]
-        more = view_dependence(light, alike, surface, cells)
-        rest = rest if more is None else rest + more
+        more = view_dependence(light, _alike(used, capture.light_map), surface, cells)
+        if more is not None:
+            rest += more
     yield Progress(Stage.FIT, 4, _STEPS)
     through = _through(capture, around, used, grid, known)
     yield Progress(Stage.FIT, _STEPS, _STEPS)
     return LayeredAtlas(
-        colour=capture.fine["diffuse"].astype(np.float32),
+        colour=large_arrays.as_type(capture.fine["diffuse"], np.float32),
         irradiance=plan.placed(irradiance, gutter=True),
         falloff=falloff,
         tint=tint_map,
@@ -133,6 +137,19 @@ def _diffuse(
             return falloff, np.divide(diffuse, colour, out=np.zeros_like(diffuse), where=colour > 1e-3)
     irradiance = fit_irradiance(light, facing, falloff, material, colour, neighbours, share)
     return falloff, irradiance if found is None else found.onto(irradiance, falloff, material)
+
+
+def _counted(facing: Floats) -> Bools:
+    """Which samples (K, S) count, by their N.I."""
+    return large_arrays.from_blocks(len(facing), lambda some: facing[some] > 0, _ROWS)
+
+
+def _alike(used: Bools, light_map: LightMap | None) -> Bools:
+    """Those samples (K, S) that are `used` and not of texels that an edge of light may cross."""
+    if light_map is None:
+        return used
+    smooth = ~light_map.edge[:, None]
+    return large_arrays.from_blocks(len(used), lambda some: used[some] & smooth[some], _ROWS)
 
 
 def _evaluated(capture: LayeredSamples, parts: Parts) -> Floats | None:
@@ -191,8 +208,8 @@ def _open_paths(
 ) -> Paths:
     """The paths that are taken to leave the object straight away."""
     shape = ends.square.shape[:2]
-    axis = np.empty((*shape, 3), dtype=np.float32)
-    open_to, cosine, above = (np.empty(shape, dtype=np.float32) for _ in range(3))
+    axis = large_arrays.empty((*shape, 3))
+    open_to, cosine, above = (large_arrays.empty(shape) for _ in range(3))
     faces = [one.reshape(-1, 3)[: shape[0], None] for one in (ends.plan.normal, ends.plan.facet)]
 
     def look(some: slice) -> None:
@@ -202,22 +219,45 @@ def _open_paths(
         open_to[some] = grid.gather(free, octahedral(axes), some)[0]
 
     in_blocks(look, *shape)
-    chosen = open_to > _FREE
-    for number in np.unique(capture.material):  # a material that lies in hollows alone: its openest paths
-        own = (capture.material == number)[:, None]
-        if (chosen & own).sum() < 0.02 * own.sum() * shape[1]:
-            chosen |= own & (open_to >= np.quantile(open_to[own[:, 0]], 0.95))
-    chosen &= above > _ABOVE
-    texel, number = np.nonzero(chosen)
+    least = _least_open(open_to, capture.material)[:, None]
+    every = shape[0] * shape[1]
+    chosen = large_arrays.from_blocks(
+        shape[0], lambda some: (open_to[some] >= least[some]) & (above[some] > _ABOVE), _ROWS
+    ).reshape(every)
+    path = large_arrays.flatnonzero(every, lambda some: chosen[some])
+    texel = large_arrays.from_blocks(len(path), lambda some: (path[some] // shape[1]).astype(np.intp))
+
+    def vectors(values: Floats, number: Ints) -> Floats:
+        """Some of the vectors as float32, of which all would be as much as what is captured."""
+        flat = values.reshape(-1, 3)
+        return computed((len(path), 3), lambda some: flat[number[some]].astype(np.float32))
+
     return Paths(
         texel=texel,
-        weight=ends.mirrored_weight[texel, number].astype(np.float32),
-        end=ends.mirrored_end[texel, number].astype(np.float32),
-        axis=axis[texel, number],
-        normal=normal[texel],
-        cosine=cosine[texel, number],
-        material=capture.material[texel],
+        weight=vectors(ends.mirrored_weight, path),
+        end=vectors(ends.mirrored_end, path),
+        axis=vectors(axis, path),
+        normal=vectors(normal, texel),
+        cosine=large_arrays.taken(cosine.reshape(every), path),
+        material=large_arrays.taken(capture.material, texel),
     )
+
+
+def _least_open(open_to: Floats, material: Ints) -> Floats:
+    """How open the paths that are taken are at least, in each texel (K,), of which `open_to` (K, S) tells.
+
+    Of a material that lies in hollows alone, they are its openest ones.
+    """
+    above = np.nextafter(np.float32(_FREE), np.float32(2))
+    least = np.full(len(material), above, dtype=np.float64)
+    for number in np.unique(material):
+        own = np.flatnonzero(material == number)
+        taken = sum(int((open_to[own[some]] >= above).sum()) for some in blocks(len(own), _ROWS))
+        if taken < 0.02 * len(own) * open_to.shape[1]:
+            all_of_it = large_arrays.taken(open_to, own).reshape(-1)
+            openest = np.quantile(all_of_it, 0.95, overwrite_input=True)
+            least[own] = min(np.asarray(openest, np.result_type(open_to, openest)), above)
+    return least
 
 
 def _single(material: Material) -> Material:

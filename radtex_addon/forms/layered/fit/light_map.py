@@ -16,6 +16,7 @@ import numpy as np
 from ....bake.blocks import in_blocks, planes
 from ....bake.light_samples import LightSamples
 from ....bake.pooling import Neighbours
+from ....core import large_arrays
 from ....core.arrays import Bools, Floats, Ints
 from ....core.colour_spaces import LUMINANCE
 from ....settings.rays import MORE_LIGHT
@@ -33,6 +34,7 @@ _BESIDE = 0.02  # share of the weight around a texel that such texels have, for 
 _FAR_OFF = 4.0  # times the usual difference of the halves: single bright paths tell no more than that
 _DOUBTED = 0.2  # share of what the halves tell that is their noise
 _FEW = 64  # texels: of so few is half believed of how bright they are along the normal
+_ROWS = 1 << 12  # texels whose samples are in hand at once
 _MOST = 1.5  # times too bright that samples are taken to be along the normal
 
 
@@ -89,8 +91,13 @@ class RoughLight:
         side = round(facing.shape[1] ** 0.5)
         row, column = np.divmod(np.arange(facing.shape[1]), side)
         first = ((row + column) % 2 == 0).astype(np.float32)
-        parts = (facing * half for half in (first, 1 - first))
-        halves = [estimate_frontal(light, part, falloff, material)[0].T for part in parts]
+
+        def estimate(half: Floats) -> Floats:
+            part = large_arrays.from_blocks(len(facing), lambda some: facing[some] * half, _ROWS)
+            found: Floats = estimate_frontal(light, part, falloff, material)[0].T
+            return found
+
+        halves = [estimate(half) for half in (first, 1 - first)]
         told = np.where(colour > DARK, np.stack(halves) / np.maximum(colour, DARK), 0)
         return cls(told.astype(np.float32), falloff, facing.shape[1], wanted, edge)
 

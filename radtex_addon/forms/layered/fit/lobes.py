@@ -12,12 +12,15 @@ width², is 2 / (2 + w), not 1 as in the plane.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from ....bake.blocks import side_by_side
+from ....bake.computed_rows import computed
+from ....core import large_arrays
 from ....core.arrays import Bools, Floats, Ints
 from ....core.colour_spaces import LUMINANCE
 from ..lookup.lobes import LOBES, STEPS, Material, lobe, towards
@@ -60,9 +63,32 @@ class Paths:
     def some(self, which: Ints) -> Paths:
         """Those paths, by their numbers."""
         found: dict[str, Any] = {
-            name: None if one is None else one[which] for name, one in vars(self).items()
+            name: None if one is None else large_arrays.taken(one, which) for name, one in vars(self).items()
         }
         return Paths(**found)
+
+    def of(self, material: int) -> Paths:
+        """Those of a material."""
+        which = large_arrays.flatnonzero(len(self.texel), lambda some: self.material[some] == material)
+        return self if len(which) == len(self.texel) else self.looked_up(which)
+
+    def looked_up(self, which: Ints) -> Paths:
+        """As `some`, but of many paths: vectors are looked up in these whenever they are read."""
+
+        def look_up(one: Floats) -> Floats:
+            if len(one.shape) == 1:
+                return large_arrays.taken(one, which)
+            return computed((len(which), *one.shape[1:]), lambda some: one[which[some]])
+
+        found: dict[str, Any] = {
+            name: None if one is None else look_up(one) for name, one in vars(self).items()
+        }
+        return Paths(**found)
+
+    @property
+    def brightness(self) -> Floats:
+        """The luminance of the paths' weights, (P,)."""
+        return large_arrays.from_blocks(len(self.texel), lambda some: self.weight[some] @ LUMINANCE)
 
 
 def fit_materials(paths: Paths, count: int) -> tuple[Material, ...]:
@@ -71,23 +97,28 @@ def fit_materials(paths: Paths, count: int) -> tuple[Material, ...]:
     A material has one lobe, the weight of the second being 0, where two tell hardly more of its paths,
     or little more and one is hardly wider than the stronger of two.
     """
-    return tuple(_fit_lobes(paths, paths.material == number) for number in range(count))
+    return tuple(_fit_lobes(paths, number) for number in range(count))
 
 
-def _fit_lobes(paths: Paths, own: Bools) -> Material:
-    one, two = (_fit_material(paths, own, lobes) for lobes in (1, LOBES))
-    some = paths.some(np.flatnonzero(own))
+def _fit_lobes(paths: Paths, number: int) -> Material:
+    one, two = (_fit_material(paths, number, lobes) for lobes in (1, LOBES))
+    some = paths.of(number)
     stronger = two.weight[:, _FACING].sum(axis=1).argmax()
     alike = one.variance[0, _FACING] < _WIDER * two.variance[stronger, _FACING]
     return one if likelihood(two, some) - likelihood(one, some) < (_MORE if alike else _LITTLE) else two
 
 
-def _fit_material(paths: Paths, own: Bools, lobes: int) -> Material:
+def _fit_material(paths: Paths, number: int, lobes: int) -> Material:
     weight = np.zeros((LOBES, STEPS, 3))
     variance, bend = np.full((LOBES, STEPS), 0.1), np.zeros(STEPS)
 
     def fit(step: int) -> bool:
-        near = np.flatnonzero(own & (np.abs(paths.cosine * STEPS - 0.5 - step) < _OVERLAP))
+        def is_near(some: slice) -> Bools:
+            beside = np.abs(paths.cosine[some] * STEPS - 0.5 - step) < _OVERLAP
+            found: Bools = (paths.material[some] == number) & beside
+            return found
+
+        near = large_arrays.flatnonzero(len(paths.texel), is_near)
         if len(near) < _AT_LEAST:
             return False
         if len(near) > _AT_MOST:
@@ -142,16 +173,22 @@ def _likeliest(paths: Paths, near: Ints, lobes: int) -> tuple[Floats, Floats, fl
     return share[order], variance[order], bend
 
 
-def unexplained(paths: Paths, shown: Floats) -> float:
+def unexplained(paths: Paths, shown_light: Floats) -> float:
     """What is left of the paths' weights, squared, with so many (P, 3) times a table by N.V as told best."""
-    weight, shown = paths.weight @ LUMINANCE, shown @ LUMINANCE
-    step = np.clip((paths.cosine * STEPS).astype(np.intp), 0, STEPS - 1)
+    weight, count = paths.brightness, len(paths.texel)
+    shown = large_arrays.from_blocks(count, lambda some: shown_light[some] @ LUMINANCE)
+    step = large_arrays.from_blocks(
+        count, lambda some: np.clip((paths.cosine[some] * STEPS).astype(np.intp), 0, STEPS - 1)
+    )
 
-    def means(values: Floats) -> Floats:
-        return np.bincount(step, values, STEPS) / np.maximum(np.bincount(step, minlength=STEPS), 1)
+    def means(values: Callable[[slice], Floats]) -> Floats:
+        summed = large_arrays.from_blocks(count, lambda some: values(some).astype(np.float64, copy=False))
+        return np.bincount(step, summed, STEPS) / np.maximum(np.bincount(step, minlength=STEPS), 1)
 
-    told = (means(weight * shown) / np.maximum(means(shown**2), 1e-12))[step] * shown
-    return float((means((weight - told) ** 2) / np.maximum(means(weight**2), 1e-12)).sum())
+    squared = np.maximum(means(lambda some: np.square(shown[some])), 1e-12)
+    share = means(lambda some: weight[some] * shown[some]) / squared
+    left = means(lambda some: (weight[some] - share[step[some]] * shown[some]) ** 2)
+    return float((left / np.maximum(means(lambda some: weight[some] ** 2), 1e-12)).sum())
 
 
 def as_bright_facing(material: Material) -> Material:
@@ -167,19 +204,29 @@ def as_bright_facing(material: Material) -> Material:
 
 def likelihood(material: Material, paths: Paths) -> float:
     """The mean logarithm of how likely a material's lobes are to send paths where they go, by their light."""
-    bright, length = paths.weight @ LUMINANCE, np.linalg.norm(paths.end, axis=1)
-    told = np.flatnonzero((bright > 1e-6) & (length > END))
+    light = paths.brightness
+    told = large_arrays.flatnonzero(
+        len(light),
+        lambda block: (light[block] > 1e-6) & (np.linalg.norm(paths.end[block], axis=1) > END),
+    )
     if not len(told):
         return 0.0
-    some, bright = paths.some(told), bright[told]
-    up, across = angles(some.end / length[told, None], some.axis, some.normal)
-    weight, variance, bend = material.at(some.cosine)
-    share = np.tensordot(LUMINANCE, weight, (0, 1))
-    share /= np.maximum(share.sum(axis=0), 1e-30)
-    if some.width is not None:
-        variance = variance * some.width
-    found = (share * lobe((up - bend) ** 2 + across**2, np.maximum(variance, SHARPEST**2))).sum(axis=0)
-    return float((bright * np.log(np.maximum(found, 1e-30))).sum() / bright.sum())
+    bright = large_arrays.taken(light, told)
+
+    def logarithms(block: slice) -> Floats:
+        some = paths.some(told[block])
+        length = np.linalg.norm(some.end, axis=1)
+        up, across = angles(some.end / length[:, None], some.axis, some.normal)
+        weight, variance, bend = material.at(some.cosine)
+        share = np.tensordot(LUMINANCE, weight, (0, 1))
+        share /= np.maximum(share.sum(axis=0), 1e-30)
+        if some.width is not None:
+            variance = variance * some.width
+        found = (share * lobe((up - bend) ** 2 + across**2, np.maximum(variance, SHARPEST**2))).sum(axis=0)
+        logarithm: Floats = bright[block] * np.log(np.maximum(found, 1e-30))
+        return logarithm
+
+    return float(large_arrays.from_blocks(len(told), logarithms).sum() / bright.sum())
 
 
 def angles(end: Floats, axis: Floats, normal: Floats) -> tuple[Floats, Floats]:

@@ -18,6 +18,7 @@ import numpy as np
 from ....bake.blocks import SAMPLES_AT_ONCE, in_blocks, planes
 from ....bake.light_samples import Some, mirrored
 from ....bake.plan import CapturePlan
+from ....core import large_arrays
 from ....core.arrays import Bools, Floats, Ints
 from ..lookup.atlas import mirrored_light
 from ..lookup.environment import Around, Lit
@@ -84,7 +85,7 @@ class OwnLight:
 
     def buckets(self, grid: BucketGrid, cells: int) -> Floats:
         """The light that comes from the object itself, by bucket and direction: (3, B, cells * cells)."""
-        table = np.empty((4, len(grid), cells * cells), dtype=np.float32)
+        table = large_arrays.empty((4, len(grid), cells * cells))
 
         def sum_up(block: Block) -> None:
             row, ray = self._rays(block.texels)
@@ -93,9 +94,9 @@ class OwnLight:
             rays = Block(block.buckets, block.texels[row], block.bucket[row])
             table[:, block.buckets] = rays.scatter(self.place[ray], cells, columns)
 
-        each = max(1, len(self.faces) // len(self.count))
+        each = max(cells * cells // 2, len(self.faces) // len(self.count))  # few rays take cells nonetheless
         grid.in_blocks(sum_up, each)
-        return grid.pool(table, grid.neighbours.pool_further, _mean_light).copy()
+        return large_arrays.copied(grid.pool(table, grid.neighbours.pool_further, _mean_light))
 
     def _rays(self, texels: Ints) -> tuple[Ints, Ints]:
         """The rays of some texels (k,): of which of these they are, and their numbers, both (Q,)."""
@@ -143,8 +144,8 @@ class _Met:
         count = np.count_nonzero(own.hit, axis=1)
         start = np.cumsum(count) - count
         rays = len(own.met)
-        light, share = (np.zeros((3, rays), dtype=np.float32) for _ in range(2))
-        return cls(surface, own, start, count, Places((rays,)), np.zeros(rays, np.float32), light, share)
+        light, share = (large_arrays.zeros((3, rays)) for _ in range(2))
+        return cls(surface, own, start, count, Places((rays,)), large_arrays.zeros(rays), light, share)
 
     def in_blocks(self, function: Callable[[slice], None]) -> None:
         """Run the function on blocks of texels that have enough rays."""

@@ -12,6 +12,7 @@ import numpy as np
 
 from ....bake.blocks import in_blocks, planes
 from ....bake.pooling import upsampled
+from ....core import large_arrays
 from ....core.arrays import Bools, Floats
 from ....core.colour_spaces import LUMINANCE
 from .bucket_grid import Block, BucketGrid
@@ -48,12 +49,12 @@ def fit_rest(
     coarse cells to fine ones, is shrunk by its noise (James and Stein, 1961); of its variance only a `share`
     is left where more samples are there.
     """
-    table = np.zeros((3, len(grid), cells * cells), dtype=np.float32)
+    table = large_arrays.zeros((3, len(grid), cells * cells))
     if not level:
         return table
     stages = [(side, True) for side in _STEPS if side <= cells]
     for number, (side, wide) in enumerate((*stages, (stages[-1][0], False))):
-        sums = np.empty((5, len(grid), side * side), dtype=np.float32)
+        sums = large_arrays.empty((5, len(grid), side * side))
         each = _samples(used.shape[1], side, number)
 
         def sum_up(block: Block, side: int = side, each: slice = each, sums: Floats = sums) -> None:

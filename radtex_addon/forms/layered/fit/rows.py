@@ -9,6 +9,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ....bake.light_samples import Some
+from ....core import large_arrays
 from ....core.arrays import Bools, Floats, Ints
 
 _STEPS = 65535
@@ -20,7 +21,7 @@ class Places:
     """Places on the octahedron's square, in [0, 1], of S samples of each of K texels, in 16 bits."""
 
     def __init__(self, shape: tuple[int, ...]) -> None:
-        self._kept = np.empty((2, *shape), dtype=np.uint16)
+        self._kept = large_arrays.empty((2, *shape), np.uint16)
 
     def keep(self, some: Some, place: Floats) -> Floats:
         """Keep those of some texels, (2, k, S); returns them as they are kept."""
@@ -51,7 +52,7 @@ def halved(values: Floats) -> Floats:
 def random_half(shape: tuple[int, ...], seed: int) -> Bools:
     """About half of the samples (K, S), at random."""
     rng = np.random.default_rng(seed)
-    half = np.empty(shape, dtype=bool)
+    half = large_arrays.empty(shape, bool)
     step = max(1, _DRAWN_AT_ONCE // max(shape[1], 1))
     for some in _slices(shape[0], step):
         half[some] = rng.random(half[some].shape) < 0.5

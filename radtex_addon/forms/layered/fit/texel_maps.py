@@ -10,8 +10,10 @@ from typing import cast
 import numpy as np
 
 from ....bake.plan import CapturePlan
+from ....core import large_arrays
 from ....core.arrays import Floats, Ints
 
+_ROWS = 64  # of a map, in hand at once
 _VARIES = 0.02  # standard deviation of the tint, above which it is kept
 _TURNED = 2.0  # degrees between shading normals and the mesh's, in one texel of ten, from which they are kept
 
@@ -32,7 +34,7 @@ def shading_normals(
     turned = np.degrees(np.arccos(np.clip((found * mesh).sum(axis=1), -1, 1)))
     if not wanted or np.percentile(turned, 90) < _TURNED:
         return mesh, None
-    return found, fine["normal"].astype(np.float32)
+    return found, large_arrays.as_type(fine["normal"], np.float32)
 
 
 def tints(
@@ -48,7 +50,13 @@ def tints(
     tint = glossy / means[material]
     if not wanted or float(tint.std(axis=0).max()) < _VARIES:
         return np.ones_like(glossy), None
-    return tint, (fine["glossy"] / means[fine["material"][..., 0].astype(np.intp)]).astype(np.float32)
+
+    def over_mean(some: slice) -> Floats:
+        number = fine["material"][some, :, 0].astype(np.intp)
+        found: Floats = (fine["glossy"][some] / means[number]).astype(np.float32)
+        return found
+
+    return tint, large_arrays.from_blocks(len(fine["glossy"]), over_mean, _ROWS)
 
 
 def mean_colours(material: Ints, glossy: Floats, plan: CapturePlan, least: int = 0) -> Floats:

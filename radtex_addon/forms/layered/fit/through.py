@@ -15,6 +15,7 @@ import numpy as np
 from ....bake.blocks import in_blocks, planes
 from ....bake.light_samples import Axis, EndSamples, LightSamples, LobeSamples, straight_through
 from ....bake.pooling import Neighbours
+from ....core import large_arrays
 from ....core.arrays import Bools, Floats
 from ..cells import THROUGH_CELLS
 from ..lookup.environment import Around
@@ -96,8 +97,8 @@ def _chief(exits: ExitSamples, around: Floats) -> tuple[Floats, Floats]:
     `around` (3, K, m): the unit directions of the texels around, 0 where there are none.
     """
     times, count, cells = exits.weight.shape
-    found = np.zeros((CHANNELS, count, cells), dtype=np.float32)
-    votes = np.zeros((count, cells), dtype=np.float32)
+    found = large_arrays.zeros((CHANNELS, count, cells))
+    votes = large_arrays.zeros((count, cells))
 
     def choose(some: slice) -> None:
         direction, weight = exits.direction[:, some], exits.weight[:, some]
@@ -143,7 +144,7 @@ def fit_through_rest(
     plan = light.plan
     samples = LobeSamples(plan, Axis.THROUGH, light.square, light.through, used)
     shape = used.shape
-    place, shown = Places(shape), np.empty((3, *shape), dtype=np.float16)
+    place, shown = Places(shape), large_arrays.empty((3, *shape), np.float16)
     axes = [axis.reshape(-1, 3)[: len(plan.texel)] for axis in (plan.tangent, plan.bitangent, plan.normal)]
     frame = np.stack(axes, axis=1).astype(np.float32)
     offset = (plan.points - around.middle).astype(np.float32)

@@ -15,6 +15,7 @@ from ....bake.blocks import in_blocks, planes
 from ....bake.computed_rows import computed
 from ....bake.light_samples import LightSamples, Some
 from ....bake.pooling import Neighbours
+from ....core import large_arrays
 from ....core.arrays import Bools, Floats
 from ....core.hemisphere import square_to_direction
 from ....core.octahedron import cell_directions
@@ -78,16 +79,18 @@ def fit_harmonics(
         found: Floats = np.linalg.solve(table[..., :COUNT] + penalty, table[..., COUNT:])
         return found.astype(np.float32)
 
-    sums = pooled(grid.neighbours, np.concatenate(grid.in_blocks(equations, weight.shape[1], _AT_ONCE)))
+    found = large_arrays.concatenated(grid.in_blocks(equations, weight.shape[1], _AT_ONCE))
+    sums = pooled(grid.neighbours, found)
     return np.concatenate(in_blocks(solve, len(grid), 1, _AT_ONCE))
 
 
 def pooled(neighbours: Neighbours, values: Floats) -> Floats:
     """Values (K, C) of texels, each the weighted mean of its own and its neighbours': (K, C) float32."""
-    table = np.concatenate([values, np.ones((len(values), 1))], axis=1).astype(np.float32)
-    sums = neighbours.pool(np.ascontiguousarray(table.T[..., None]))[..., 0].T
-    found: Floats = sums[:, :-1] / sums[:, -1:]
-    return found
+    channels = values.shape[1]
+    table = large_arrays.empty((channels + 1, len(values), 1))
+    table[:-1, :, 0], table[-1] = values.T, 1
+    sums = neighbours.pool(table)[..., 0].T
+    return large_arrays.from_blocks(len(values), lambda some: sums[some, :-1] / sums[some, -1:], _AT_ONCE)
 
 
 def view_dependence(light: LightSamples, used: Bools, surface: Surface, cells: int) -> Floats | None:
@@ -146,7 +149,9 @@ def _by_mirror_direction(grid: BucketGrid, found: Floats, normal: Floats, cells:
     plan, axis = grid.plan, cell_directions(cells).astype(np.float32)
     frame = [field.reshape(-1, 3)[: len(plan.texel)] for field in (plan.tangent, plan.bitangent, plan.normal)]
 
-    def look(block: Block) -> Floats:
+    by_cell: Floats = large_arrays.empty((3, len(grid), cells * cells))
+
+    def look(block: Block) -> None:
         some = block.texels
         about = normal[some]
         viewer = 2 * (axis @ about.T).T[..., None] * about[:, None] - axis
@@ -155,7 +160,7 @@ def _by_mirror_direction(grid: BucketGrid, found: Floats, normal: Floats, cells:
         local /= np.maximum(np.linalg.norm(local, axis=-1, keepdims=True), 1e-6)
         coefficients = found[grid.bucket[some]]
         told: Floats = np.einsum("kma,kac->ckm", basis(local), coefficients, optimize=True)
-        return grid.means(block, told)
+        by_cell[:, block.buckets] = grid.means(block, told)
 
-    by_cell: Floats = np.concatenate(grid.in_blocks(look, len(axis)), axis=1)
+    grid.in_blocks(look, len(axis))
     return by_cell

@@ -15,7 +15,8 @@ import numpy as np
 
 from ....bake.plan import CapturePlan
 from ....bake.pooling import Neighbours
-from ....core.arrays import Bools, Floats, Ints
+from ....core import large_arrays
+from ....core.arrays import Bools, Floats, Ints, blocks
 from ....core.colour_spaces import LUMINANCE
 from ....core.sampler import bilinear
 from ..lookup.lobes import STEPS, Gloss, Material, reflectance
@@ -27,7 +28,6 @@ _LEAST, _MOST = 1 / 256, 256.0  # of width², fitted
 _OCTAVES = 16.0  # of width², evaluated: the most above and below what is usual
 _GAIN = 0.01  # of the mean log-likelihood, from which evaluated widths are taken
 _LESS = 0.995  # times as much may be left unexplained by a gloss as by tints, or it is not taken
-_AT_ONCE = 1 << 18
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +84,7 @@ def fit_lobes(
     known: list[int] = []  # the materials whose roughness is
     if evaluated is not None:
         known = [number for number in range(count) if np.isfinite(evaluated[material == number]).any()]
-        halves = paths.some(np.arange(0, len(paths.texel), 2)), paths.some(np.arange(1, len(paths.texel), 2))
+        halves = _every_second(paths, 0), _every_second(paths, 1)
         rival = _fitted(halves[0], neighbours, vary)
         for number in known:
             own = material == number
@@ -94,10 +94,10 @@ def fit_lobes(
             if taken[number]:
                 width[own] = 2 ** relative[own]
     if np.ptp(width) > 0:
-        paths = replace(paths, width=width[paths.texel])
+        paths = replace(paths, width=large_arrays.taken(width, paths.texel))
     glosses: list[Gloss | None] = [None] * count
     if tint is not None:
-        shown = tint[paths.texel].astype(np.float32)
+        shown = large_arrays.taken(tint.astype(np.float32, copy=False), paths.texel)
         if glossy is not None:
             for number in known:
                 gloss = Gloss(glossy[number], float(usual[number]))
@@ -116,15 +116,37 @@ def _take_gloss(paths: Paths, number: int, shown: Floats, width: Floats, gloss: 
     Returns the gloss, or None where tints tell about as much, as where neither varies. `width` (K,) is that
     of `Lobes`.
     """
-    own = np.flatnonzero(paths.material == number)
-    texel = paths.texel[own]
-    wide = (width[texel] * 2**gloss.width).astype(np.float32)
-    reflected = reflectance(shown[own] * gloss.colour, wide, paths.cosine[own])
-    some = paths.some(own)
-    if unexplained(some, reflected) > _LESS * unexplained(some, shown[own]):
+    own = large_arrays.flatnonzero(len(shown), lambda block: paths.material[block] == number)
+
+    def reflect(block: slice) -> Floats:
+        which = own[block]
+        wide = (width[paths.texel[which]] * 2**gloss.width).astype(np.float32)
+        return reflectance(shown[which] * gloss.colour, wide, paths.cosine[which])
+
+    reflected, some = large_arrays.from_blocks(len(own), reflect), paths.of(number)
+    if unexplained(some, reflected) > _LESS * unexplained(some, large_arrays.taken(shown, own)):
         return None
-    shown[own] = reflected
+    for block in blocks(len(own)):
+        shown[own[block]] = reflected[block]
     return gloss
+
+
+def _every_second(paths: Paths, first: int) -> Paths:
+    """Every second path, from the `first` on."""
+    return paths.looked_up(large_arrays.flatnonzero(len(paths.texel), lambda some: _every_other(some, first)))
+
+
+def _every_other(some: slice, first: int) -> Bools:
+    odd: Bools = np.arange(some.start, some.stop) % 2 == first
+    return odd
+
+
+def _spread(width: Floats, texel: Ints) -> float:
+    """The standard deviation of the logarithm of texels' widths (K,), of those of paths' texels (P,)."""
+    values = large_arrays.from_blocks(len(texel), lambda block: np.log(width[texel[block]]))
+    values -= values.mean()
+    values *= values
+    return float(np.sqrt(values.mean()))
 
 
 def _relative(evaluated: Floats, usual: Floats) -> Floats:
@@ -144,15 +166,16 @@ def _foretells(halves: tuple[Paths, Paths], number: int, width: Floats, rival: F
 
     Or than with those of a `rival` (K,). Lobes are fitted to half of the paths, and asked for the other half.
     """
-    known, asked = (half.some(np.flatnonzero(half.material == number)) for half in halves)
-    if not len(known.texel) or np.log(width[known.texel]).std() / 2 < _VARIES:
+    known, asked = (half.of(number) for half in halves)
+    if not len(known.texel) or _spread(width, known.texel) / 2 < _VARIES:
         return False
+    none = large_arrays.zeros(len(known.texel), np.int32)
     told = []
     rivals = [np.ones_like(width), *([rival] if np.ptp(rival) > 0 else [])]
     for one in (width, *rivals):
-        half = replace(known, material=0 * known.material, width=one[known.texel])
+        half = replace(known, material=none, width=large_arrays.taken(one, known.texel))
         (lobes,) = fit_materials(half, 1)
-        told.append(likelihood(lobes, replace(asked, width=one[asked.texel])))
+        told.append(likelihood(lobes, replace(asked, width=large_arrays.taken(one, asked.texel))))
     return told[0] > max(told[1:]) + _GAIN
 
 
@@ -161,19 +184,29 @@ def fit_widths(paths: Paths, neighbours: Neighbours) -> Floats:
 
     Means of logarithms, which the few paths in a lobe's tails hardly change; float32.
     """
-    texels = len(neighbours.plan.texel)
-    kind = paths.material.astype(np.intp) * STEPS
-    kind += np.clip((paths.cosine * STEPS).astype(np.intp), 0, STEPS - 1)
-    bright = (paths.weight @ LUMINANCE).astype(np.float64)
-    bright[np.linalg.norm(paths.end, axis=1) < END] = 0
-    far = np.empty(len(bright))
-    for first in range(0, len(bright), _AT_ONCE):
-        some = slice(first, first + _AT_ONCE)
+    texels, count = len(neighbours.plan.texel), len(paths.texel)
+
+    def kinds(some: slice) -> Ints:
+        step = np.clip((paths.cosine[some] * STEPS).astype(np.intp), 0, STEPS - 1)
+        found: Ints = paths.material[some].astype(np.intp) * STEPS + step
+        return found
+
+    def brightness(some: slice) -> Floats:
+        found = (paths.weight[some] @ LUMINANCE).astype(np.float64)
+        found[np.linalg.norm(paths.end[some], axis=1) < END] = 0
+        return found
+
+    def distances(some: slice) -> Floats:
         length = np.maximum(np.linalg.norm(paths.end[some], axis=1), END)
         up, across = angles(paths.end[some] / length[:, None], paths.axis[some], paths.normal[some])
-        far[some] = np.log(np.maximum(up**2 + across**2, SHARPEST**2))
-    usual = np.bincount(kind, bright * far) / np.maximum(np.bincount(kind, bright), 1e-12)
-    sums = [np.bincount(paths.texel, values, texels) for values in (bright * (far - usual[kind]), bright)]
+        return np.log(np.maximum(up**2 + across**2, SHARPEST**2)).astype(np.float64)
+
+    kind, bright, far = (large_arrays.from_blocks(count, each) for each in (kinds, brightness, distances))
+    weighted = large_arrays.from_blocks(count, lambda some: bright[some] * far[some])
+    usual = np.bincount(kind, weighted) / np.maximum(np.bincount(kind, bright), 1e-12)
+    for some in blocks(count):
+        weighted[some] = bright[some] * (far[some] - usual[kind[some]])
+    sums = [np.bincount(paths.texel, values, texels) for values in (weighted, bright)]
     table = np.stack(sums)[..., None].astype(np.float32)
     pooled = neighbours.pool(table) + np.float32(_WIDE) * neighbours.pool(table, True)
     width = np.exp(pooled[0, :, 0] / np.maximum(pooled[1, :, 0], 1e-12))
