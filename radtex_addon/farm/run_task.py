@@ -24,6 +24,7 @@ from ..formats.disk.regular import digest
 from ..forms import form_for
 from ..forms.bake_job import BakeJob
 from ..forms.form import Form
+from ..forms.layered.bake import arrays_kept
 from ..forms.layered.capture.capturing import capture_part
 from ..forms.layered.capture.panoramas import StoredViews, pictures_shared
 from ..forms.layered.capture.parts import Part, part_of
@@ -143,7 +144,8 @@ def _baked(
     def make(job: BakeJob) -> Generator[Progress, None, Outcome]:
         if task.part == WHOLE:
             return (yield from form.bake(job))
-        yield from capture_part(job.scratch, job.prepared, job.spec, job.folder, store, Part(task.part))
+        with arrays_kept(job):
+            yield from capture_part(job.scratch, job.prepared, job.spec, job.folder, store, Part(task.part))
         raise ShareDoneError
 
     with at_frame(scene, bake.spec.frame), new_data_removed():

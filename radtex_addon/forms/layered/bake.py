@@ -8,8 +8,8 @@ and fitted to the same lobes; the light that is kept is the mean of both fits, b
 
 from __future__ import annotations
 
-from collections.abc import Generator
-from contextlib import ExitStack
+from collections.abc import Generator, Iterator
+from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -86,19 +86,27 @@ def read_earlier(sidecar: Path, bake: Sidecar, materials: int) -> tuple[LayeredA
 
 
 def bake_layered(job: BakeJob) -> Generator[Progress, None, Outcome]:
-    """As `Form.bake`; every finished capture is stored.
+    """As `Form.bake`; every finished capture is stored."""
+    with arrays_kept(job):
+        return (yield from _bake(job))
 
-    Where not all fits into memory, the large arrays lie in files beside the output.
+
+@contextmanager
+def arrays_kept(job: BakeJob) -> Iterator[None]:
+    """Keep large arrays in files beside the output, where not all fits into memory.
+
+    Raises BakeError where the disk refuses.
     """
     if not job.spec.array_bytes:
-        return (yield from _bake(job))
+        yield
+        return
     with ExitStack() as files:
         try:
             folder = files.enter_context(hidden_folder(job.sidecar.parent))
         except OSError as error:
             raise BakeError(refusal(job.sidecar, error)) from error
         files.enter_context(arrays_in_files(folder))
-        return (yield from _bake(job))
+        yield
 
 
 def _bake(job: BakeJob) -> Generator[Progress, None, Outcome]:
