@@ -39,7 +39,7 @@ from .templates import write_task_templates
 
 log = logging.getLogger(__name__)
 
-_SCENE_BYTES = 600 << 20  # of a process with Blender and a small scene
+_SCENE_BYTES = 1100 << 20  # of a process with Blender, a scene of some dozen objects and its renders
 _OF_FILE = 4  # times the size of the .blend and its images, which a scene takes in memory
 
 
