@@ -7,8 +7,8 @@ from __future__ import annotations
 from functools import partial
 from time import sleep
 
-from ..core.errors import Cancelled
-from ..farm.claims import Claim, claimed
+from ..core.errors import Cancelled, InputError, RadTexError
+from ..farm.claims import Claim, claimed, release_claims
 from ..farm.run_task import task_steps
 from ..farm.tasks import Task, TaskFarm, read_tasks
 from .failure import end_process
@@ -16,6 +16,7 @@ from .interruption import INTERRUPTED, Interruption
 from .reporting import Report
 from .work_arguments import TaskRequest
 
+_NAMED = 8  # most tasks that are named
 _WAIT = 2.0  # seconds between looks at what others do
 
 
@@ -31,7 +32,10 @@ def run_tasks(request: TaskRequest, report: Report, interruption: Interruption) 
 
 
 def _do(farm: TaskFarm, task: Task, report: Report, interruption: Interruption) -> None:
-    leave = partial(end_process, Cancelled(INTERRUPTED), report)
+    def leave() -> None:
+        release_claims()
+        end_process(Cancelled(INTERRUPTED), report)
+
     with interruption.leaving(leave):
         done = interruption.between(task_steps(farm, task.name), partial(report.progress, task.name))
     files = [str(farm.mark(task.name))]
@@ -45,19 +49,43 @@ def _do(farm: TaskFarm, task: Task, report: Report, interruption: Interruption) 
 
 
 def _do_all(farm: TaskFarm, report: Report, interruption: Interruption) -> None:
-    """Do what is left, one task after another, of what no other machine does."""
+    """Do what is left, one task after another, of what no other machine does.
+
+    A task that fails, and what needs it, is left out, but what failed for another's lost piece is tried once
+    more. Raises the first failure at the end, with the names of all that failed.
+    """
     claims: dict[str, Claim] = {}
+    failed: dict[str, RadTexError] = {}
+    given_up: set[str] = set()
+    chain = farm.chains()
     while left := farm.left():
-        chain = farm.chains()
-        ready = [task for task in left if all(map(farm.is_done, task.needs))]
+        farm.check_same()
+        names = {task.name for task in left}
+        ready = [task for task in left if names.isdisjoint(task.needs) and task.name not in given_up]
+        if not ready:
+            break
         for task in sorted(ready, key=lambda task: -chain[task.name]):
             with claimed(farm, task.name, claims) as own:
-                if own and not farm.is_done(task.name):
+                if not own or farm.is_done(task.name):
+                    continue
+                try:
                     _do(farm, task, report, interruption)
-                    break
+                except Cancelled:
+                    raise
+                except RadTexError as error:
+                    if task.name in failed or isinstance(error, InputError):
+                        given_up.add(task.name)
+                    failed[task.name] = error
+                else:
+                    failed.pop(task.name, None)
+                break
         else:
             sleep(_WAIT)  # others do what comes first
             interruption.check()
+    if failed:
+        first, *others = failed.values()
+        said = f"{len(failed)} tasks failed here ({', '.join(list(failed)[:_NAMED])}); the first one: "
+        raise first.saying(said + first.message.problem) if others else first
     report.event(
         "note", message=f"all {len(farm.tasks)} tasks are done: join them by bake.py assemble {farm.folder}"
     )

@@ -38,7 +38,7 @@ class TaskRequest:
 
 def is_of_tasks(arguments: list[str]) -> bool:
     """Whether `bake.py work` is asked for tasks of a farm, and not by the panel's order, a file."""
-    return len(arguments) != 1 or arguments[0].startswith("-") or Path(arguments[0]).is_dir()
+    return len(arguments) != 1 or arguments[0].startswith("-") or not Path(arguments[0]).is_file()
 
 
 def parse_tasks(arguments: list[str], inside_blender: bool) -> TaskRequest:

@@ -6,6 +6,8 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Generator
+from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 
 from ..bake.piece_store import PieceStore
@@ -108,10 +110,11 @@ def _save_preview(farm: TaskFarm, bake: FarmBake, made: BakeOutput) -> Generator
     assert farm.preview is not None  # see above
     scene = open_scene(farm)
     task = farm.task(_last(bake))
-    store: PieceStore = pieces_of(farm, task, farm.results(bake.key))
+    store: PieceStore = pieces_of(farm, task, farm.results(bake.key), ignored=("device",))
+    spec = replace(bake.spec, device="cpu")  # nothing is rendered, and this machine may have no other
     with at_frame(scene, bake.spec.frame), new_data_removed():
         baked = yield from bake_unchecked(
-            scene, bake.name, bake.spec, made.files, None, Stopwatch(), store,
+            scene, bake.name, spec, made.files, None, Stopwatch(), store,
             baker=finished_baker(made), warns=False, blend=Path(farm.blend), fingerprint=bake.fingerprint,
         )  # fmt: skip
         yield FarmStep(FarmTask.CHECK, 1, 1)
@@ -124,5 +127,6 @@ def _seconds(farm: TaskFarm, bake: FarmBake) -> dict[Stage, float]:
     for task in farm.tasks:
         if task.bake == bake.key and farm.is_done(task.name):
             stage = _STAGES.get(task.part, Stage.CAPTURE)
-            found[stage] = found.get(stage, 0.0) + farm.done(task.name).seconds
+            with suppress(FormatError):  # all files are there
+                found[stage] = found.get(stage, 0.0) + farm.done(task.name).seconds
     return found

@@ -27,6 +27,8 @@ from .tasks import TaskFarm
 BEAT = 5.0  # seconds between changes of a claim …
 PATIENCE = 60.0  # … and after which one that has not changed is nobody's
 
+_held: set[Path] = set()  # this process's claims
+
 
 @dataclass(frozen=True)
 class Claim:
@@ -43,7 +45,7 @@ def claimed(farm: TaskFarm, task: str, seen: dict[str, Claim]) -> Iterator[bool]
     `seen` keeps what this process has seen of others' claims. Raises BakeError where the system refuses.
     """
     path = farm.folder / "claims" / task
-    own = f"{socket.gethostname()} {os.getpid()} {secrets.token_hex(8)}"
+    own = f"{_machine()} {os.getpid()} {secrets.token_hex(8)}"
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         taken = _take(path, own, seen)
@@ -52,6 +54,7 @@ def claimed(farm: TaskFarm, task: str, seen: dict[str, Claim]) -> Iterator[bool]
     if not taken:
         yield False
         return
+    _held.add(path)
     ended = Event()
     beat = Thread(target=_beat, args=(path, own, ended), name="RadTex claim", daemon=True)
     beat.start()
@@ -60,18 +63,26 @@ def claimed(farm: TaskFarm, task: str, seen: dict[str, Claim]) -> Iterator[bool]
     finally:
         ended.set()
         beat.join()
+        _held.discard(path)
         with suppress(OSError):
             if path.read_text(encoding="utf-8").startswith(own):
                 path.unlink()
 
 
+def release_claims() -> None:
+    """Give up what this process has claimed, as before an end in the midst of a render."""
+    for path in list(_held):
+        with suppress(OSError):
+            path.unlink()
+
+
 def _take(path: Path, own: str, seen: dict[str, Claim]) -> bool:
-    """Make the claim, unless another one is alive. Raises OSError."""
+    """Make the claim, unless another one is alive. Raises OSError where nothing can be written."""
     if _make(path, own):
         return True
     try:
         text = path.read_text(encoding="utf-8")
-    except FileNotFoundError:
+    except (OSError, ValueError):  # its owner has just removed it, or writes it
         return False
     if not _has_died(text):
         known = seen.get(path.name)
@@ -80,16 +91,18 @@ def _take(path: Path, own: str, seen: dict[str, Claim]) -> bool:
             return False
         if monotonic() - known.since < PATIENCE:
             return False
-    with suppress(FileNotFoundError):  # others may be quicker, or take the claim that was just made anew
-        path.replace(path.with_name(f".radtex-left-{secrets.token_hex(8)}"))
+    with suppress(OSError):  # others may be quicker, or take the claim that was just made anew
+        left = path.with_name(f".radtex-left-{secrets.token_hex(8)}")
+        path.replace(left)
+        left.unlink()
     return _make(path, own)
 
 
 def _has_died(text: str) -> bool:
     """Whether a claim is of a process of this machine that is no more."""
-    host, _, rest = text.partition(" ")
+    machine, _, rest = text.partition(" ")
     pid = rest.partition(" ")[0]
-    if host != socket.gethostname() or not pid.isdecimal() or sys.platform == "win32":
+    if machine != _machine() or not pid.isdecimal() or sys.platform == "win32":
         return False
     try:
         os.kill(int(pid), 0)
@@ -100,12 +113,26 @@ def _has_died(text: str) -> bool:
     return False
 
 
+def _machine() -> str:
+    """This machine as long as it runs, and on Linux the container: its processes have their own numbers."""
+    parts = [socket.gethostname()]
+    with suppress(OSError):
+        parts.append(Path("/proc/sys/kernel/random/boot_id").read_text(encoding="ascii").strip())
+        parts.append(str(Path("/proc/self/ns/pid").readlink()))
+    return ",".join(parts).replace(" ", "_")
+
+
 def _make(path: Path, own: str) -> bool:
+    """Write a claim where there is none. Raises OSError where nothing can be written."""
     try:
         with path.open("x", encoding="utf-8") as stream:
             stream.write(own)
     except FileExistsError:
         return False
+    except PermissionError:
+        if path.exists():  # on Windows, while its owner writes it
+            return False
+        raise
     return True
 
 

@@ -21,7 +21,7 @@ from ..forms.layered.capture.enclosed import is_clear
 from ..job.changed_bakes import SceneReader
 from ..job.variants import Bake
 from ..scene.objects import find_object
-from ..scene.scratch import find_view_layer
+from ..scene.scratch import at_frame, find_view_layer
 from ..settings.spec import BakeSpec
 from ..store.output_files import OutputFiles
 from ..store.ownership import open_blend
@@ -131,8 +131,10 @@ def prepare_tasks_steps(
 
 def _subject(scene: bpy.types.Scene, name: str, spec: BakeSpec) -> Subject:
     items = [find_object(scene, each) for each in spec.objects or (name,)]
+    shown = items if spec.source is None else [find_object(scene, spec.source)]
     triangles = sum(_triangles(item) for item in items)
-    return Subject(name, spec, any(map(is_clear, items)), triangles)
+    with at_frame(scene, spec.frame):
+        return Subject(name, spec, any(map(is_clear, shown)), triangles)
 
 
 def _triangles(item: Any) -> int:

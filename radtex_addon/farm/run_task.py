@@ -9,10 +9,11 @@ import secrets
 import shutil
 import socket
 import sys
-from collections.abc import Generator, Iterator
-from contextlib import contextmanager
+from collections.abc import Collection, Generator, Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import replace
 from pathlib import Path
-from time import perf_counter
+from time import perf_counter, sleep
 
 import bpy
 
@@ -33,6 +34,7 @@ from ..job.baking import Baked, bake_unchecked
 from ..scene.scratch import at_frame, new_data_removed
 from ..store.output_files import OutputFiles
 from ..store.shared_pieces import SharedPieces, piece_file
+from .claims import Claim, claimed
 from .tasks import WHOLE, Done, FarmBake, Task, TaskFarm, publish_results
 
 try:
@@ -42,6 +44,7 @@ except ImportError:  # Windows has none
 
 log = logging.getLogger(__name__)
 
+_WAIT = 2.0  # seconds between looks for a picture that another machine makes
 _MADE_LAST = (Part.AROUND, Part.EXITS, Part.MISLED)  # what the last task makes if no other was to
 
 
@@ -54,6 +57,7 @@ def task_steps(farm: TaskFarm, name: str) -> Generator[Progress, None, bool]:
     """
     task = farm.task(name)
     _check_machine(farm)
+    farm.check_same()
     if not (faults := _faults(farm, task)):
         return False
     if farm.is_done(name):
@@ -63,7 +67,7 @@ def task_steps(farm: TaskFarm, name: str) -> Generator[Progress, None, bool]:
     begun = perf_counter()
     scene = open_scene(farm)
     bake = farm.bake_of(task)
-    with _results(farm, task) as place, pictures_shared(StoredViews(_view_store(farm))):
+    with _results(farm, task) as place, shared_views(farm) as views, pictures_shared(views):
         store = pieces_of(farm, task, place)
         files, result = {}, {}
         try:
@@ -72,8 +76,13 @@ def task_steps(farm: TaskFarm, name: str) -> Generator[Progress, None, bool]:
             pass
         else:
             result = made.made.told()
-            files = {path.name: digest(path) for path in place.iterdir()}
+            files = {path.name: digest(path) for path in place.iterdir() if path.is_file()}
+            farm.check_same()
+            if farm.is_done(name) and not farm.result_faults(name):  # another machine was quicker
+                return True
+            farm.set_undone(name)
             _publish(farm, bake, place)
+    farm.check_same()
     farm.set_done(
         name,
         Done(
@@ -101,8 +110,8 @@ def open_scene(farm: TaskFarm) -> bpy.types.Scene:
         ) from error
 
 
-def pieces_of(farm: TaskFarm, task: Task, results: Path) -> SharedPieces:
-    """The bake's pieces, of which those of the task are made."""
+def pieces_of(farm: TaskFarm, task: Task, results: Path, ignored: Collection[str] = ()) -> SharedPieces:
+    """The bake's pieces, of which those of the task are made; `ignored` facts are taken as they are there."""
     promised = {each.part for each in farm.tasks if each.bake == task.bake}
 
     def makes(piece: str) -> bool:
@@ -120,7 +129,9 @@ def pieces_of(farm: TaskFarm, task: Task, results: Path) -> SharedPieces:
             f"do it first: {farm.command_for(tasks)}"
         )
 
-    return SharedPieces(farm.pieces(task.bake), results, makes, whose, task.share)
+    store = SharedPieces(farm.pieces(task.bake), results, makes, whose, task.share, ignored)
+    store.set_facts({"farm": farm.job})
+    return store
 
 
 def _makers(farm: TaskFarm, bake: str, piece: str) -> list[str]:
@@ -140,12 +151,16 @@ def _baked(
     """Make the task's pieces, and raise ShareDoneError, or if it is the last one the bake's files."""
     files = OutputFiles.of(bake.name, bake.spec, place)
     form: Form = form_for(bake.spec)
+    clear = any(each.bake == task.bake and each.part == Part.EXITS for each in farm.tasks)
 
     def make(job: BakeJob) -> Generator[Progress, None, Outcome]:
+        job = replace(job, arrays=job.folder)  # not on the disk that all machines share
         if task.part == WHOLE:
             return (yield from form.bake(job))
         with arrays_kept(job):
-            yield from capture_part(job.scratch, job.prepared, job.spec, job.folder, store, Part(task.part))
+            yield from capture_part(
+                job.scratch, job.prepared, job.spec, job.folder, store, Part(task.part), clear
+            )
         raise ShareDoneError
 
     with at_frame(scene, bake.spec.frame), new_data_removed():
@@ -156,6 +171,22 @@ def _baked(
                 fingerprint=bake.fingerprint,
             )
         )  # fmt: skip
+
+
+@contextmanager
+def shared_views(farm: TaskFarm) -> Iterator[StoredViews]:
+    """The pictures of rooms that tasks share; while one machine makes one, others wait for it."""
+    seen: dict[str, Claim] = {}
+    with ExitStack() as claims:
+
+        def make(key: str) -> bool:
+            """Whether this machine is to make a picture; False after a while, in which another may have."""
+            if claims.enter_context(claimed(farm, key, seen)):
+                return True
+            sleep(_WAIT)
+            return False
+
+        yield StoredViews(_view_store(farm), make)
 
 
 def _view_store(farm: TaskFarm) -> SharedPieces:

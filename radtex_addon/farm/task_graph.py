@@ -57,17 +57,13 @@ def _numbered(name: str) -> Iterator[str]:
 
 
 def tasks_of(bakes: Sequence[FarmBake], subjects: Sequence[Subject], memory: int) -> list[Task]:
-    """All tasks, each behind those that it needs; each takes `memory` bytes for the scene, and its own.
-
-    The first bake that has pictures of its surroundings makes those of rooms for the others.
-    """
+    """All tasks, each behind those that it needs; each takes `memory` bytes for the scene, and its own."""
     found: list[Task] = []
-    first: str | None = None
     for bake, subject in zip(bakes, subjects, strict=True):
-        tasks = list(_layered(bake, subject, memory, first)) if bake.spec.form.by_paths else []
-        if first is None and tasks:
-            first = f"{bake.key}.{Part.AROUND}"
-        found += tasks or [_whole(bake, subject, memory)]
+        if bake.spec.form.by_paths:
+            found += _layered(bake, subject, memory)
+        else:
+            found.append(_whole(bake, subject, memory))
     return found
 
 
@@ -81,8 +77,8 @@ def _whole(bake: FarmBake, subject: Subject, memory: int) -> Task:
     return Task(f"{bake.key}.{WHOLE}", bake.key, WHOLE, (), round(seconds, 1), memory + bake.spec.atlas_bytes)
 
 
-def _layered(bake: FarmBake, subject: Subject, memory: int, first: str | None) -> Iterator[Task]:
-    """The tasks of a bake in the layered layout; `first` makes pictures of rooms, if another bake's does."""
+def _layered(bake: FarmBake, subject: Subject, memory: int) -> Iterator[Task]:
+    """The tasks of a bake in the layered layout."""
     work = _work(bake, subject)
     stages, rays = typical_seconds(work), LayeredRays.of(bake.spec.samples)
     times = LayeredTimes(work.covered, rays)
@@ -115,7 +111,7 @@ def _layered(bake: FarmBake, subject: Subject, memory: int, first: str | None) -
     more = shared(Part.MORE_LIGHT, of_light, capture["more light"], rays.light**2)
     own = task(Part.OWN, ready, capture["own"])
     clear = (*of_ends, *of_light) if subject.is_clear else ()  # whether it lets light through, they tell
-    pictures = task(Part.AROUND, (*ready, *clear, *((first,) if first else ())), around["pictures"])
+    pictures = task(Part.AROUND, (*ready, *clear), around["pictures"])
     misled = task(Part.MISLED, (own.name, pictures.name), around["misled"], samples)
     exits = (task(Part.EXITS, (*ready, *clear), around["exits"]),) if subject.is_clear else ()
     made = (maps, *ends, *light, *more, own, pictures, *exits, misled)

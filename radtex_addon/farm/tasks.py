@@ -11,6 +11,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
+from heapq import heapify, heappop, heappush
 from pathlib import Path
 from typing import Any
 
@@ -132,6 +133,12 @@ class TaskFarm:
     def by_name(self) -> dict[str, Task]:
         return {task.name: task for task in self.tasks}
 
+    def check_same(self) -> None:
+        """Raises InputError if the folder holds another farm by now, or none."""
+        path = tasks_file(self.folder)
+        if not path.is_file() or Facts.parse(read_text(path), str(path), _WHAT).text("job") != self.job:
+            raise InputError(f"{self.folder} was prepared anew meanwhile: start this again")
+
     def task(self, name: str) -> Task:
         """The task of that name. Raises InputError."""
         if name not in self.by_name:
@@ -161,6 +168,8 @@ class TaskFarm:
         try:
             facts = Facts.parse(read_text(path), str(path), "mark of a farm's task")
             files = facts.inner("files")
+            if any(Path(name).name != name for name in files.values):
+                raise FormatError(f"{path} names files that are elsewhere")
             result = facts.values.get("result")
             return Done(
                 pieces=facts.texts("pieces"),
@@ -208,22 +217,25 @@ class TaskFarm:
 
         As if each machine did as much in a second as a processor core of the preparing one.
         """
-        chain = self.chains()
-        free = [0.0] * machines
-        ends: dict[str, float] = {}
-        left = sorted(self.tasks, key=lambda task: -chain[task.name])
-        while left:
-            now = min(free)
-            ready = [task for task in left if all(ends.get(need, now + 1) <= now for need in task.needs)]
-            if not ready:
-                later = [end for end in ends.values() if end > now]
-                free[free.index(now)] = min(later)
-                continue
-            task = ready[0]
-            left.remove(task)
-            place = free.index(now)
-            free[place] = ends[task.name] = now + task.seconds
-        return max(ends.values(), default=0.0)
+        chain, waiting = self.chains(), {task.name: len(set(task.needs)) for task in self.tasks}
+        behind: dict[str, list[Task]] = {}
+        for task in self.tasks:
+            for need in set(task.needs):
+                behind.setdefault(need, []).append(task)
+        ready = [(-chain[task.name], task.name) for task in self.tasks if not task.needs]
+        heapify(ready)
+        running: list[tuple[float, str]] = []
+        now = 0.0
+        while ready or running:
+            while ready and len(running) < machines:
+                _, name = heappop(ready)
+                heappush(running, (now + self.by_name[name].seconds, name))
+            now, ended = heappop(running)
+            for task in behind.get(ended, ()):
+                waiting[task.name] -= 1
+                if not waiting[task.name]:
+                    heappush(ready, (-chain[task.name], task.name))
+        return now
 
     def chains(self) -> dict[str, float]:
         """Seconds from each task's beginning to the end of the longest chain of tasks that begins with it."""

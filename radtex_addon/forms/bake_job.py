@@ -22,7 +22,8 @@ class BakeJob:
     `sidecar` is the final path of the bake's sidecar, `folder` is for temporary files. The `store` takes
     finished pieces, and has places for output files until all are written. The `thumbnail` gets the captured
     light. `surroundings` is the width of the pictures of what surrounds the objects, relative to the usual;
-    a probe that only measures time has smaller ones.
+    a probe that only measures time has smaller ones. Large arrays lie in files in the folder `arrays`, None:
+    beside the output.
     """
 
     scratch: bpy.types.Scene
@@ -33,6 +34,7 @@ class BakeJob:
     store: PieceStore = NO_STORE
     thumbnail: Thumbnail | None = None
     surroundings: float = 1.0
+    arrays: Path | None = None
 
     @property
     def place(self) -> Path:

@@ -12,7 +12,7 @@ import json
 import logging
 import os
 import secrets
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from time import monotonic, sleep
@@ -39,7 +39,7 @@ class SharedPieces(PieceStore):
 
     `makes` tells of which names. Others are only read: BakeError says by `whose`, with the reason, where one
     is not there or damaged. Of pieces that can be shared out, and that it makes, it makes the part number
-    `share[0]` of `share[1]`. The bake's own files are written into `results`.
+    `share[0]` of `share[1]`. The bake's own files are written into `results`. `ignored` facts may differ.
     """
 
     def __init__(
@@ -49,9 +49,10 @@ class SharedPieces(PieceStore):
         makes: Callable[[str], bool],
         whose: Callable[[str, str], BakeError],
         share: tuple[int, int] = (0, 1),
+        ignored: Collection[str] = (),
     ) -> None:
         self._folder, self._results = folder, results
-        self._makes, self._whose, self._share = makes, whose, share
+        self._makes, self._whose, self._share, self._ignored = makes, whose, share, frozenset(ignored)
         self._facts: dict[str, str] = {}
         self._known: Facts | None = None
         self.used: dict[str, None] = {}  # the names of the pieces that this process was to make
@@ -150,12 +151,13 @@ class SharedPieces(PieceStore):
 
     def _same(self, known: Facts, facts: Facts) -> dict[str, str]:
         """The known facts of these names, which differ by rounding at most. Raises InputError."""
-        if said := Key(known, [], []).differences(facts):
+        compared = {name: value for name, value in facts.items() if name not in self._ignored}
+        if said := Key(known, [], []).differences(compared):
             raise InputError(
                 f"what this machine would bake differs from what others have begun in {self._folder} in "
                 f"{said}: use the same file, version of Blender and kind of device on each"
             )
-        return {name: known[name] for name in facts}
+        return {name: known.get(name, facts[name]) for name in facts}
 
     def _path(self, name: str) -> Path:
         return piece_file(self._folder, name)

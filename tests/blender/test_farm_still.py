@@ -124,7 +124,10 @@ def test_what_cannot_be_held_is_named(
             {"kind": "shadow"},
             "frames for machines without RadTex are of radiance, incident, reflection, proxy, not shadow",
         ),
-        ({"layout": "layered", "bucket": 14}, "not layered, whose captures build on one another: that takes machines with RadTex"),
+        (
+            {"layout": "layered", "bucket": 14},
+            "not layered, whose captures build on one another: that takes machines with RadTex",
+        ),
         ({"kind": "incident", "capture": "panoramic"}, "leave the capture method out"),
         ({"accumulate": True}, "leave the accumulating and the refreshing out"),
         ({"seed": 2**23 + 1}, "give one below 8388608"),

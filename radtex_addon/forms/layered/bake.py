@@ -93,7 +93,7 @@ def bake_layered(job: BakeJob) -> Generator[Progress, None, Outcome]:
 
 @contextmanager
 def arrays_kept(job: BakeJob) -> Iterator[None]:
-    """Keep large arrays in files beside the output, where not all fits into memory.
+    """Keep large arrays in files in the job's folder for them, where not all fits into memory.
 
     Raises BakeError where the disk refuses.
     """
@@ -102,7 +102,7 @@ def arrays_kept(job: BakeJob) -> Iterator[None]:
         return
     with ExitStack() as files:
         try:
-            folder = files.enter_context(hidden_folder(job.sidecar.parent))
+            folder = files.enter_context(hidden_folder(job.arrays or job.sidecar.parent))
         except OSError as error:
             raise BakeError(refusal(job.sidecar, error)) from error
         files.enter_context(arrays_in_files(folder))

@@ -40,7 +40,7 @@ from ..fit.light_map import PLACES, LightMap
 from ..fit.through import lets_through
 from ..lookup.environment import Around, Shell
 from ..samples import ExitSamples, LayeredSamples, OwnRays
-from .enclosed import enclosed, is_clear
+from .enclosed import enclosed
 from .exits import capture_exits
 from .gloss_maps import capture_gloss, sharpest_width, within_texels
 from .lamps import find_lamps, refuse_negative_lamps
@@ -98,15 +98,21 @@ def capture_layered(
 
 
 def capture_part(
-    scratch: bpy.types.Scene, prepared: Prepared, spec: BakeSpec, folder: Path, store: PieceStore, part: Part
+    scratch: bpy.types.Scene,
+    prepared: Prepared,
+    spec: BakeSpec,
+    folder: Path,
+    store: PieceStore,
+    part: Part,
+    clear: bool,
 ) -> Generator[Progress, None, None]:
     """Make the pieces of one part of what `capture_layered` captures, or this process's share of them.
 
-    The store has all that the part needs. Yields progress. Raises as `capture_layered`, and ShareDoneError
-    where these are only a share.
+    The store has all that the part needs; of objects that may be `clear`, that is more. Yields progress.
+    Raises as `capture_layered`, and ShareDoneError where these are only a share.
     """
     with _captures(scratch, prepared, spec, folder, store) as captures:
-        yield from captures.only(part)
+        yield from captures.only(part, clear)
 
 
 @contextmanager
@@ -218,7 +224,7 @@ class _Captures:
         paths += 0 if light_map is None else light_map.paths
         return Captured(capture, ready.faces, ready.triangle, paths, own.hit.size)
 
-    def only(self, part: Part) -> Generator[Progress, None, None]:
+    def only(self, part: Part, clear: bool) -> Generator[Progress, None, None]:
         """Make the pieces of one part, or this process's share of them; those that it needs are stored."""
         ready = yield from self._ready()
         if part is Part.ENDS:
@@ -230,8 +236,8 @@ class _Captures:
         elif part is Part.OWN:
             self._own(ready)
         elif part is not Part.MAPS:
-            through = any(is_clear(body.original) for body in self.bodies)
-            if through:
+            through = clear
+            if clear:
                 lone, light = self._ends(ready), (yield from self._light(ready))
                 through = lone is not None and lets_through(lone, light)
                 del lone, light

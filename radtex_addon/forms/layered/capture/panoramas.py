@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import logging
 import math
-from collections.abc import Collection, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from hashlib import sha256
@@ -93,13 +93,16 @@ class _LatestViews:
 
 @dataclass(frozen=True, eq=False)
 class StoredViews:
-    """All views, as pieces of a store."""
+    """All views, as pieces of a store; `make` says whether this process is to make one that is not there."""
 
     store: PieceStore
+    make: Callable[[str], bool]
 
     def find(self, key: str) -> _Seen | None:
-        piece = self.store.found(key)
-        return None if piece is None else _Seen(piece["light"], piece["place"])
+        while (piece := self.store.found(key)) is None:
+            if self.make(key):
+                return None
+        return _Seen(piece["light"], piece["place"])
 
     def keep(self, key: str, seen: _Seen) -> None:
         self.store.keep(key, {"light": seen.light, "place": seen.place})
