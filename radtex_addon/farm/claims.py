@@ -10,8 +10,8 @@ the same.
 from __future__ import annotations
 
 import os
+import platform
 import secrets
-import socket
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -115,7 +115,7 @@ def _has_died(text: str) -> bool:
 
 def _machine() -> str:
     """This machine as long as it runs, and on Linux the container: its processes have their own numbers."""
-    parts = [socket.gethostname()]
+    parts = [platform.node()]
     with suppress(OSError):
         parts.append(Path("/proc/sys/kernel/random/boot_id").read_text(encoding="ascii").strip())
         parts.append(str(Path("/proc/self/ns/pid").readlink()))

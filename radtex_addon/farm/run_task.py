@@ -5,9 +5,9 @@
 from __future__ import annotations
 
 import logging
+import platform
 import secrets
 import shutil
-import socket
 import sys
 from collections.abc import Collection, Generator, Iterator
 from contextlib import ExitStack, contextmanager
@@ -90,7 +90,7 @@ def task_steps(farm: TaskFarm, name: str) -> Generator[Progress, None, bool]:
             files=files,
             seconds=round(perf_counter() - begun, 2),
             memory=_most_memory(),
-            host=socket.gethostname(),
+            host=platform.node(),
             result=result,
         ),
     )
