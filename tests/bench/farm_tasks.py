@@ -45,13 +45,13 @@ def main() -> None:
     parser.add_argument("--kills", type=int, default=0)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--out", type=Path, required=True)
-    parser.add_argument("options", nargs="*")
-    asked = parser.parse_args()
+    words = [*sys.argv[1:], "--"]
+    asked, bake = parser.parse_args(words[: words.index("--")]), words[words.index("--") + 1 : -1]
     local, far = asked.out / "one", asked.out / "farm"
     shutil.rmtree(asked.out, ignore_errors=True)
-    alone = run([*_BAKE, str(asked.scene), *asked.options, "--out", str(local), *_QUIET])
+    alone = run([*_BAKE, str(asked.scene), *bake, "--out", str(local), *_QUIET])
     print(f"one process: {told(alone)}", flush=True)
-    prepared = run([*_BAKE, "prepare", str(asked.scene), *asked.options, "--out", str(far), *_QUIET])
+    prepared = run([*_BAKE, "prepare", str(asked.scene), *bake, "--out", str(far), *_QUIET])
     (folder,) = far.glob("*.radtex-farm")
     print(f"prepared: {told(prepared)}, {len(read_tasks(folder).tasks)} tasks", flush=True)
     for count in asked.workers:
