@@ -240,8 +240,12 @@ def test_the_names_of_the_longest_line_that_fits_are_told() -> None:
     assert told_whose("Tile 1", objects, objects[:2]) == (
         "Settings of Tile 1, 1 of 8 objects",
         "Settings of Tile 1",
+        "Tile 1's",
     )
-    assert told_whose(None, objects[:1], objects[:1]) == ("Scene's settings; Tile 0 has its own",)
+    assert told_whose("Tile 1", objects[1:2], objects[1:2]) == ("Settings of Tile 1", "Tile 1's")
+    assert told_whose(None, objects[:1], objects[:1])[0] == "Scene's settings; Tile 0 has its own"
+    for names in (objects, objects[:1]):  # in the narrowest sidebar
+        assert told_whose(None, names, objects[:1])[-2:] == ("Scene's settings", "Scene's")
 
 
 def no_collection() -> None:

@@ -225,14 +225,16 @@ def told_whose(shown: str | None, names: Sequence[str], own: Sequence[str]) -> t
     if shown is not None:
         alone = iface_("Settings of {}").format(shown)
         among = iface_("Settings of {}, 1 of {} objects").format(shown, len(names))
-        return (among, alone) if len(names) > 1 else (alone,)
+        short = iface_("{}'s").format(shown)
+        return (among, alone, short) if len(names) > 1 else (alone, short)
+    shortest = iface_("Scene's settings"), iface_("Scene's")
     if not own:
-        return iface_("Scene's settings"), iface_("Scene's")
+        return shortest
     if len(names) == 1:
-        return (iface_("Scene's settings; {} has its own").format(own[0]),)
+        return iface_("Scene's settings; {} has its own").format(own[0]), *shortest
     told = iface_("Scene's settings; {} of {} objects have their own").format(len(own), len(names))
     short = iface_("Scene's settings; {} of {} have own").format(len(own), len(names))
-    return (f"{told}: {', '.join(own)}", f"{short}: {', '.join(own)}", told, short)
+    return (f"{told}: {', '.join(own)}", f"{short}: {', '.join(own)}", told, short, *shortest)
 
 
 def _draw_presets(column: Any, settings: BakeSettings) -> None:
