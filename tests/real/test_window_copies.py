@@ -21,7 +21,7 @@ _PIE = 700, 400  # where the pie menu opens; what it has on the right is so many
 _COMPILED = 20  # seconds for Eevee's shaders, for the picture alone
 _OPENED = 3  # seconds for a menu, which Mesa's software drivers draw
 _RIGHT = 130
-_BELOW = range(30, 100, 8)  # pixels below the preview's button, where the shadings are
+_BELOW = range(92, 29, -8)  # pixels below the preview's button: the shadings, the last one first
 
 
 def test_a_view_that_shows_no_bake_offers_shadings_that_do(window: Window) -> None:
