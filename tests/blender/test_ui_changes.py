@@ -17,6 +17,7 @@ from radtex_addon.formats.disk.memory import physical_memory
 from radtex_addon.ui.jobs.bug_report import report_of
 from radtex_addon.ui.operators import changes_operator
 from radtex_addon.ui.operators.changes_operator import RADTEX_OT_show_changes, shown_changes
+from radtex_addon.ui.panel import fitting
 from radtex_addon.ui.panel.main_panel import draw_news
 from radtex_addon.ui.settings import preferences as settings_module
 from radtex_addon.ui.settings import seen_version
@@ -202,6 +203,19 @@ def test_preferences_say_what_is_used_where_a_folder_is_empty() -> None:
     assert layout.placeholders["export_into"] == "Beside each bake"
     stored = {"device", "memory_mb", "default_preset", "export_target", "notify", "limits_memory", *told}
     assert stored - {"memory_mb"} == set(layout.settings)
+
+
+def test_preferences_say_where_to_bake_on_as_many_lines_as_that_needs(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    room = 200.0
+    monkeypatch.setattr(fitting, "sidebar_room", lambda **_: room)
+    layout = _WithPlaceholders()
+    shown: Any = SimpleNamespace(layout=layout, limits_memory=False, bl_rna=preferences().bl_rna)
+    settings_module.RADTEX_preferences.draw(shown, None)
+    lines = layout.texts[: layout.texts.index("Automatic")]
+    assert " ".join(lines) == "To bake, press N over a 3D view and open the sidebar's tab RadTex"
+    assert all(fitting.text_width(line) <= room for line in lines)
 
 
 class _WithPlaceholders(RecordedLayout):

@@ -19,6 +19,7 @@ from ...core.errors import InputError
 from ...settings.menu_items import DEVICES, TARGETS
 from ...settings.presets import STOCK
 from ...settings.targets import DEFAULT_TARGET
+from ..panel.fitting import draw_text
 from ..panel.labels import iface_
 from .bake_settings import NAMES
 from .presets import apply_preset
@@ -148,7 +149,7 @@ class RADTEX_preferences(bpy.types.AddonPreferences):
     def draw(self, context: bpy.types.Context | None) -> None:
         layout: Any = self.layout
         text = iface_("To bake, press N over a 3D view and open the sidebar's tab RadTex")
-        layout.label(text=text, icon="INFO", translate=False)
+        draw_text(layout, text, "INFO")
         layout.use_property_split = True
         layout.prop(self, "device")
         draw_memory(layout, self)
