@@ -24,7 +24,7 @@ drawn = []
 """
 LINE = 180  # pixels from the sidebar's right edge to the beginning of a job's lines
 AWAY = 500, 600  # a place in the 3D view
-JOB = 1030, 300, 1290, 812  # the sidebar where the panel lists jobs
+JOB = 1030, 474, 1290, 782  # the sidebar where the panel lists jobs
 
 
 def test_the_zip_installs(window: Window) -> None:
