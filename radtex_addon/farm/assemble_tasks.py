@@ -63,16 +63,12 @@ def _place(farm: TaskFarm, bake: FarmBake, out: Path) -> BakeFolder:
     return BakeFolder(bake.name, bake.spec, out, farm.preview is not None)
 
 
-def _last(bake: FarmBake) -> str:
-    return f"{bake.key}.{WHOLE}"
-
-
 def _check(farm: TaskFarm) -> Generator[FarmStep, None, None]:
     """Raises BakeError with the tasks that are to be done, in one line."""
     faults: list[str] = []
     for number, bake in enumerate(farm.bakes):
         yield FarmStep(FarmTask.CHECK, number, len(farm.bakes))
-        task = _last(bake)
+        task = bake.last
         if farm.is_done(task):
             try:
                 fault = farm.result_faults(task)
@@ -81,7 +77,7 @@ def _check(farm: TaskFarm) -> Generator[FarmStep, None, None]:
             if fault:
                 farm.set_undone(task)
                 faults.append(fault)
-    unfinished = {bake.key for bake in farm.bakes if not farm.is_done(_last(bake))}
+    unfinished = {bake.key for bake in farm.bakes if not farm.is_done(bake.last)}
     left = [task.name for task in farm.left() if task.bake in unfinished]
     if left:
         said = f"{', '.join(left[:_NAMED])}{f' and {len(left) - _NAMED} more' if len(left) > _NAMED else ''}"
@@ -91,7 +87,7 @@ def _check(farm: TaskFarm) -> Generator[FarmStep, None, None]:
 
 def _write(farm: TaskFarm, bake: FarmBake, place: BakeFolder, replaces: Overwrite) -> BakeOutput:
     """Copy a bake's files, and move them to their names together."""
-    done = farm.done(_last(bake))
+    done = farm.done(bake.last)
     source, sidecar = farm.results(bake.key), place.files.sidecar
     made = BakeOutput.of(done.result, place.files)
     with place.open(replaces) as checkpoint:
@@ -109,7 +105,7 @@ def _write(farm: TaskFarm, bake: FarmBake, place: BakeFolder, replaces: Overwrit
 def _save_preview(farm: TaskFarm, bake: FarmBake, made: BakeOutput) -> Generator[AnyStep, None, None]:
     assert farm.preview is not None  # see above
     scene = open_scene(farm)
-    task = farm.task(_last(bake))
+    task = farm.task(bake.last)
     store: PieceStore = pieces_of(farm, task, farm.results(bake.key), ignored=("device",))
     spec = replace(bake.spec, device="cpu")  # nothing is rendered, and this machine may have no other
     with at_frame(scene, bake.spec.frame), new_data_removed():

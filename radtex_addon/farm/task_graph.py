@@ -74,7 +74,7 @@ def _work(bake: FarmBake, subject: Subject) -> BakeWork:
 def _whole(bake: FarmBake, subject: Subject, memory: int) -> Task:
     """The task of a bake that cannot be parted."""
     seconds = sum(typical_seconds(_work(bake, subject)).values())
-    return Task(f"{bake.key}.{WHOLE}", bake.key, WHOLE, (), round(seconds, 1), memory + bake.spec.atlas_bytes)
+    return Task(bake.last, bake.key, WHOLE, (), round(seconds, 1), memory + bake.spec.atlas_bytes)
 
 
 def _layered(bake: FarmBake, subject: Subject, memory: int) -> Iterator[Task]:

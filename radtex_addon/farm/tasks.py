@@ -71,6 +71,11 @@ class FarmBake:
     spec: BakeSpec
     fingerprint: Fingerprint | None = None
 
+    @property
+    def last(self) -> str:
+        """The name of the task that makes its files."""
+        return f"{self.key}.{WHOLE}"
+
 
 @dataclass(frozen=True)
 class Done:

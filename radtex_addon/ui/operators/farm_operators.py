@@ -19,7 +19,7 @@ from ..settings.chosen_objects import chosen_names, nothing_chosen
 from .bake_operator import can_bake, check_plan, show_objects, shown
 from .export_dialog import WIDTH
 from .instances_operator import join_and_tell, told_owners
-from .operator_mixins import MayWait
+from .operator_mixins import Foresees, MayWait, draw_lines
 from .scene_operator import PATIENCE, requests_and_atlases
 from .undo import push_step
 
@@ -72,7 +72,7 @@ class _Planned:
         return tasks_folder(self.bakes, self.out, open_blend())
 
 
-class RADTEX_OT_prepare_farm(MayWait, bpy.types.Operator):
+class RADTEX_OT_prepare_farm(Foresees, MayWait, bpy.types.Operator):
     """Write a folder of tasks: any machine with RadTex does any of them, and all are baked sooner"""
 
     bl_idname = "radtex.prepare_farm"
@@ -84,11 +84,9 @@ class RADTEX_OT_prepare_farm(MayWait, bpy.types.Operator):
         again: bool
         join: bool
         overwrite: bool
-        _drawn: tuple[str, bool, bool] | None  # the choices that the lines are of
-        _lines: tuple[tuple[str, str], ...]  # what the dialog says, each with its icon
         _there: bool  # whether the dialog says that an earlier farm is replaced
     else:
-        _drawn, _lines, _there = None, (), False
+        _there = False
         what: EnumProperty(
             name="Bake",
             description="Which objects are baked",
@@ -133,23 +131,13 @@ class RADTEX_OT_prepare_farm(MayWait, bpy.types.Operator):
             self, width=WIDTH, title=iface_("Prepare for a Farm"), confirm_text=iface_("Prepare")
         )
 
-    def check(self, context: bpy.types.Context | None) -> bool:
-        """Plan anew if the dialog's choices have changed; returns whether it has to be drawn again."""
-        choices = self.what, self.again, self.join
-        if self._drawn == choices:
-            return False
-        self._drawn, self._lines = choices, self._foreseen(context)
-        return True
-
     def draw(self, context: bpy.types.Context | None) -> None:
         layout: Any = self.layout
         layout.prop(self, "what", expand=True)
         layout.prop(self, "again")
         if self.what == "ALL":
             layout.prop(self, "join")
-        column = layout.column(align=True)
-        for line, icon in self._lines:
-            draw_wrapped(column, line, icon, WIDTH - _ICON)
+        draw_lines(layout, self._lines)
 
     def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
         from ...core.errors import RadTexError

@@ -4,16 +4,22 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import bpy
 from bpy.props import BoolProperty, IntProperty, StringProperty
 
+from ..panel.fitting import draw_wrapped
 from ..panel.redraw import redraw
 from .bake_lookup import has_meshes
+from .export_dialog import WIDTH
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from bpy.stub_internal.rna_enums import OperatorReturnItems
+
+_ICON = 40  # pixels beside a line of a dialog, for its icon
 
 
 class OfBake:
@@ -86,6 +92,36 @@ class MayWait:
     def at_once(self) -> bool:
         """Whether to work in this process, and not in a worker."""
         return bpy.app.background or self.wait
+
+
+class Foresees:
+    """Mixin for a dialog that says what the operator would do by `what`, `again` and `join`."""
+
+    if TYPE_CHECKING:  # types of properties of the operator
+        what: str
+        again: bool
+        join: bool
+    _drawn: tuple[str, bool, bool] | None = None  # the choices that the lines are of
+    _lines: tuple[tuple[str, str], ...] = ()  # what the dialog says, each with its icon
+
+    def _foreseen(self, context: bpy.types.Context | None) -> tuple[tuple[str, str], ...]:
+        """What to say by the choices, a line each, with its icon."""
+        raise NotImplementedError
+
+    def check(self, context: bpy.types.Context | None) -> bool:
+        """Plan anew if the dialog's choices have changed; returns whether it has to be drawn again."""
+        choices = self.what, self.again, self.join
+        if self._drawn == choices:
+            return False
+        self._drawn, self._lines = choices, self._foreseen(context)
+        return True
+
+
+def draw_lines(layout: Any, lines: Iterable[tuple[str, str]]) -> None:
+    """Draw a dialog's lines, each with its icon, wrapped."""
+    column = layout.column(align=True)
+    for line, icon in lines:
+        draw_wrapped(column, line, icon, WIDTH - _ICON)
 
 
 class AsksFirst:

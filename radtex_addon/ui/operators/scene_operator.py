@@ -10,13 +10,12 @@ from typing import TYPE_CHECKING, Any
 import bpy
 from bpy.props import BoolProperty, EnumProperty
 
-from ..panel.fitting import draw_wrapped
 from ..panel.labels import expected_range, iface_, remark
 from ..settings.chosen_objects import chosen_by, selected_meshes
 from .bake_operator import bake_here, can_bake, check_plan, questions, show_objects, shown
 from .export_dialog import WIDTH
 from .instances_operator import join_and_tell, selected_owners, told_owners
-from .operator_mixins import MayWait
+from .operator_mixins import Foresees, MayWait, draw_lines
 from .undo import push_step
 
 if TYPE_CHECKING:
@@ -35,10 +34,10 @@ _WHAT = (
     ("SELECTED", "Selected", "The selected meshes"),
 )
 PATIENCE = 1.0  # seconds that sorting out may take before bakes are queued; each bake checks its object again
-_MOST, _ICON = 8, 40  # lines of a sort in the dialog, and pixels beside each
+_MOST = 8  # lines of a sort in the dialog
 
 
-class RADTEX_OT_bake_scene(MayWait, bpy.types.Operator):
+class RADTEX_OT_bake_scene(Foresees, MayWait, bpy.types.Operator):
     """Bake the scene in one go: floor and walls share an atlas, and near things share a few others"""
 
     bl_idname = "radtex.bake_scene"
@@ -49,10 +48,7 @@ class RADTEX_OT_bake_scene(MayWait, bpy.types.Operator):
         what: str
         again: bool
         join: bool
-        _drawn: tuple[str, bool, bool] | None  # the choices that the lines are of
-        _lines: tuple[tuple[str, str], ...]  # what the dialog says, each with its icon
     else:
-        _drawn, _lines = None, ()
         what: EnumProperty(
             name="Bake",
             description="Which objects are baked",
@@ -90,22 +86,12 @@ class RADTEX_OT_bake_scene(MayWait, bpy.types.Operator):
             self, width=WIDTH, title=iface_("Bake the Scene"), confirm_text=iface_("Bake")
         )
 
-    def check(self, context: bpy.types.Context | None) -> bool:
-        """Plan anew if the dialog's choices have changed; returns whether it has to be drawn again."""
-        choices = self.what, self.again, self.join
-        if self._drawn == choices:
-            return False
-        self._drawn, self._lines = choices, self._foreseen(context)
-        return True
-
     def draw(self, context: bpy.types.Context | None) -> None:
         layout: Any = self.layout
         layout.prop(self, "what", expand=True)
         layout.prop(self, "again")
         layout.prop(self, "join")
-        column = layout.column(align=True)
-        for line, icon in self._lines:
-            draw_wrapped(column, line, icon, WIDTH - _ICON)
+        draw_lines(layout, self._lines)
 
     def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
         from ...core.errors import RadTexError
