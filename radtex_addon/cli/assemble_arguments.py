@@ -21,17 +21,17 @@ from .options import (
 )
 
 _DESCRIPTION = """\
-Join the frames that a farm has rendered of what bake.py prepare wrote. Every
-frame is checked first: missing, damaged and foreign ones are named, with the
-command that renders just those, and nothing is written then. Nothing is
-rendered here."""
+Join what a farm's machines have made of what bake.py prepare wrote. All of it
+is checked first: tasks that are not done, and frames that are missing, damaged
+or foreign, are named, with the command that does just those, and nothing is
+written then. Nothing is rendered here."""
 
 _EPILOG = """\
 examples:
   python bake.py assemble baked/Vase.radiance.radtex-farm
   python bake.py assemble baked/Vase.radiance.radtex-farm --out final --export web
 
-exit codes: as of a bake; 1 where frames are not as they should be"""
+exit codes: as of a bake; 1 where tasks are left or frames are not as they should be"""
 
 
 @dataclass(frozen=True)
@@ -46,6 +46,7 @@ class AssembleRequest:
     verbose: bool
     parent_pipe: bool = False
     overwrite_any: bool = False
+    done: bool = False
 
 
 def parse_assemble(arguments: list[str], inside_blender: bool) -> AssembleRequest:
@@ -60,6 +61,7 @@ def parse_assemble(arguments: list[str], inside_blender: bool) -> AssembleReques
         progress=found.progress,
         verbose=found.verbose,
         parent_pipe=found.parent_pipe,
+        done=found.done,
     )
 
 
@@ -68,6 +70,12 @@ def build_parser(inside_blender: bool) -> Parser:
     parser = command_parser(ASSEMBLE, "DIR", _DESCRIPTION, _EPILOG, inside_blender, opens_scene=False)
     what = parser.add_argument_group("what is joined")
     what.add_argument("farm", metavar="DIR", help="the folder that bake.py prepare wrote")
+    what.add_argument(
+        "--done",
+        action="store_true",
+        help="of a farm of tasks join the bakes whose tasks are all done, and name what is left of the "
+        "others, instead of joining none",
+    )
     output = parser.add_argument_group("output")
     output.add_argument(
         "--out", metavar="DIR", help="folder for the files, made if need be (default: where the farm's lies)"

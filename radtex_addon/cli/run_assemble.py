@@ -6,9 +6,10 @@ from __future__ import annotations
 
 from functools import partial
 
-from ..core.errors import InputError
+from ..core.errors import BakeError, InputError
+from ..core.messages import do
 from ..farm.assemble_farm import assemble_steps
-from ..farm.assemble_tasks import assemble_tasks_steps
+from ..farm.assemble_tasks import TasksLeftError, assemble_tasks_steps
 from ..farm.farm_files import FarmFiles, tasks_file
 from ..farm.farm_manifest import read_manifest
 from ..farm.tasks import read_tasks
@@ -62,9 +63,20 @@ def _assemble_tasks(request: AssembleRequest, report: Report, interruption: Inte
         place = BakeFolder(bake.name, bake.spec, folder, preview=True)
         place.check_exports(request.exports, request.overwrite, resume=False)
     steps = assemble_tasks_steps(
-        farm, request.out, overwrite=request.overwrite, overwrite_any=request.overwrite_any
+        farm,
+        request.out,
+        overwrite=request.overwrite,
+        overwrite_any=request.overwrite_any,
+        some=request.done,
     )
-    for made in interruption.between(steps, partial(report.progress, farm.scene)):
+    try:
+        assembled = interruption.between(steps, partial(report.progress, farm.scene))
+    except TasksLeftError as error:
+        if error.finished and not request.done:
+            remedy = do(f"join the bakes that are done, {error.finished} (--done)")
+            raise BakeError(error.message.problem, remedy) from error
+        raise
+    for made in assembled:
         others = export_baked(made.result.files.sidecar, request.exports, request.overwrite, interruption)
         facts = facts_of(made.spec, made.result, others)
         title = title_of(made.name, made.spec)

@@ -52,7 +52,8 @@ def _do_all(farm: TaskFarm, report: Report, interruption: Interruption) -> None:
     """Do what is left, one task after another, of what no other machine does.
 
     A task that fails, and what needs it, is left out, but what failed for another's lost piece is tried once
-    more. Raises the first failure at the end, with the names of all that failed.
+    more. Raises the first failure at the end, with the names of all that failed, and that no other machine
+    has done since.
     """
     claims: dict[str, Claim] = {}
     failed: dict[str, RadTexError] = {}
@@ -82,7 +83,7 @@ def _do_all(farm: TaskFarm, report: Report, interruption: Interruption) -> None:
         else:
             sleep(_WAIT)  # others do what comes first
             interruption.check()
-    if failed:
+    if failed := {name: error for name, error in failed.items() if not farm.is_done(name)}:
         first, *others = failed.values()
         said = f"{len(failed)} tasks failed here ({', '.join(list(failed)[:_NAMED])}); the first one: "
         raise first.saying(said + first.message.problem) if others else first

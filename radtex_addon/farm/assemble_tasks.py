@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import logging
 import shutil
 from collections.abc import Generator
 from contextlib import suppress
@@ -26,36 +27,51 @@ from .farm_progress import AnyStep, FarmStep, FarmTask
 from .run_task import open_scene, pieces_of
 from .tasks import WHOLE, FarmBake, TaskFarm
 
+log = logging.getLogger(__name__)
+
 _STAGES = {WHOLE: Stage.FIT, Part.MAPS: Stage.PROBE} | dict.fromkeys(
     (Part.AROUND, Part.EXITS, Part.MISLED), Stage.SURROUNDINGS
 )  # all others are captures
 _NAMED = 12  # most tasks that are named
 
 
+class TasksLeftError(BakeError):
+    """Tasks are to be done; so many bakes are `finished`."""
+
+    def __init__(self, problem: str, finished: int) -> None:
+        super().__init__(problem)
+        self.finished = finished
+
+
 def assemble_tasks_steps(
-    farm: TaskFarm, out: Path | None = None, *, overwrite: bool = False, overwrite_any: bool = False
+    farm: TaskFarm,
+    out: Path | None = None,
+    *,
+    overwrite: bool = False,
+    overwrite_any: bool = False,
+    some: bool = False,
 ) -> Generator[AnyStep, None, tuple[Assembled, ...]]:
     """Check that all bakes are done, and write their files into `out`, by default beside the farm's folder.
 
     If previews were asked for, **the farm's scene is open afterwards**. `overwrite` replaces no better bake
-    and none of another .blend without `overwrite_any`. Yields progress. Raises BakeError, which names the
-    tasks that are to be done, if not all are; InputError for files that would be overwritten; then nothing is
-    written.
+    and none of another .blend without `overwrite_any`. Yields progress. Raises TasksLeftError, which names
+    the tasks that are to be done, if not all are; InputError for files that would be overwritten; then
+    nothing is written. With `some` bakes are enough, if any is done: those are written, and a warning names the tasks.
     """
     out = farm.folder.absolute().parent if out is None else out
-    yield from _check(farm)
+    bakes = yield from _finished(farm, some)
     check_writable(out)
     replaces = Overwrite(overwrite, overwrite_any, Path(farm.blend))
-    places = [_place(farm, bake, out) for bake in farm.bakes]
+    places = [_place(farm, bake, out) for bake in bakes]
     for place in places:
         place.check_may_write(replaces)
-    made = [_write(farm, bake, place, replaces) for bake, place in zip(farm.bakes, places, strict=True)]
+    made = [_write(farm, bake, place, replaces) for bake, place in zip(bakes, places, strict=True)]
     if farm.preview is not None:
-        for bake, output in zip(farm.bakes, made, strict=True):
+        for bake, output in zip(bakes, made, strict=True):
             yield from _save_preview(farm, bake, output)
     return tuple(
         Assembled(bake.name, bake.spec, BakeResult(**vars(output), seconds=_seconds(farm, bake)))
-        for bake, output in zip(farm.bakes, made, strict=True)
+        for bake, output in zip(bakes, made, strict=True)
     )
 
 
@@ -63,8 +79,11 @@ def _place(farm: TaskFarm, bake: FarmBake, out: Path) -> BakeFolder:
     return BakeFolder(bake.name, bake.spec, out, farm.preview is not None)
 
 
-def _check(farm: TaskFarm) -> Generator[FarmStep, None, None]:
-    """Raises BakeError with the tasks that are to be done, in one line."""
+def _finished(farm: TaskFarm, some: bool) -> Generator[FarmStep, None, list[FarmBake]]:
+    """The bakes whose files are there. Names the tasks that are to be done in one line, if not all are.
+
+    That is a warning where `some` bakes are enough, else raises TasksLeftError.
+    """
     faults: list[str] = []
     for number, bake in enumerate(farm.bakes):
         yield FarmStep(FarmTask.CHECK, number, len(farm.bakes))
@@ -78,11 +97,16 @@ def _check(farm: TaskFarm) -> Generator[FarmStep, None, None]:
                 farm.set_undone(task)
                 faults.append(fault)
     unfinished = {bake.key for bake in farm.bakes if not farm.is_done(bake.last)}
+    finished = [bake for bake in farm.bakes if bake.key not in unfinished]
     left = [task.name for task in farm.left() if task.bake in unfinished]
     if left:
         said = f"{', '.join(left[:_NAMED])}{f' and {len(left) - _NAMED} more' if len(left) > _NAMED else ''}"
         of = f"{len(left)} of {len(farm.tasks)} tasks are not done: {said}"
-        raise BakeError("; ".join((*faults, of)) + f"; do them: {farm.command_for(left)}")
+        message = "; ".join((*faults, of)) + f"; do them: {farm.command_for(left)}"
+        if not some or not finished:
+            raise TasksLeftError(message, len(finished))
+        log.warning("%s", message)
+    return finished
 
 
 def _write(farm: TaskFarm, bake: FarmBake, place: BakeFolder, replaces: Overwrite) -> BakeOutput:

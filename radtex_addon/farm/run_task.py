@@ -194,7 +194,7 @@ def _view_store(farm: TaskFarm) -> SharedPieces:
         return BakeError(f"{farm.views / piece} {fault}")
 
     store = SharedPieces(farm.views, farm.views, lambda _: True, whose)
-    store.set_facts({"job": farm.job})
+    store.set_facts({"farm": farm.job})
     return store
 
 

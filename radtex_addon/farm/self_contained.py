@@ -105,11 +105,22 @@ class Luggage:
 
 
 def make_local() -> tuple[Carried, ...]:
-    """Make everything that is linked or overridden local; returns the library files."""
+    """Make everything that is linked or overridden local; returns the library files.
+
+    Raises InputError for an object that would lose its name, by which bakes find it, and which its materials
+    may read.
+    """
     linked = list(_linked())
     while linked:
         for block in linked:
-            block.make_local(clear_liboverride=True)
+            name, library = block.name, block.library
+            local = block.make_local(clear_liboverride=True)
+            if isinstance(local, bpy.types.Object) and local.name != name:
+                of = "an override" if library is None else f"linked from {library.filepath}"
+                raise InputError(
+                    f"object '{name}' ({of}) has the name of another object, and what is prepared for a farm "
+                    "has no libraries: rename one of them"
+                )
         left = list(_linked())
         if len(left) == len(linked):  # what nothing local uses
             break

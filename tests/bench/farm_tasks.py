@@ -1,11 +1,12 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A farm of tasks beside one process: its tasks, chain and overhead, by several workers, and killed ones.
+"""A farm of tasks beside one process: its tasks, chain and overhead, by each engine, and killed workers.
 
-`python -m tests.bench.farm_tasks room.blend --workers 1 2 --kills 30 --out DIR -- --all --samples 4`; what
-follows the -- are options of a bake. Each worker is a `bake.py work FOLDER` of its own. Files are compared
-with those of one process, to the last bit. Kills hit a random worker at random moments; another takes its
-place.
+`python -m tests.bench.farm_tasks room.blend --by work:2 openjd:4 slurm make:2 --kills 30 --out DIR -- --all`;
+what follows the -- are options of a bake. `work:2` are two `bake.py work FOLDER`; `openjd:4` are four
+workers, each of which lets OpenJD do a task whose step waits for no other; `slurm` are daemons of this
+machine's own. Files are compared with those of one process (`--one DIR`: of one that was baked before, by the
+same options), to the last bit. Kills hit a random worker at random moments; another takes its place.
 """
 
 from __future__ import annotations
@@ -13,21 +14,27 @@ from __future__ import annotations
 import argparse
 import os
 import random
+import resource
 import shutil
 import subprocess
 import sys
-from collections.abc import Sequence
+import tempfile
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter, sleep
 
 from radtex_addon.farm.tasks import TaskFarm, read_tasks
 from tests.blender.killed import digests
+from tests.real.nodes import OPENJD, ready_python
+from tests.real.slurm import slurm_cluster
+from tests.real.task_farm import done_in_steps
 
 _ROOT = Path(__file__).resolve().parents[2]
 _BAKE = [sys.executable, str(_ROOT / "bake.py")]
 _QUIET = ["--progress", "none"]
-_MADE = ("done", "pieces", "baked", "claims")
+_MADE = ("done", "pieces", "baked", "claims", "logs")
+_HOURS = 3 * 3600.0  # until Slurm has done all
 
 
 @dataclass(frozen=True)
@@ -41,25 +48,30 @@ class Cost:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("scene", type=Path)
-    parser.add_argument("--workers", type=int, nargs="+", default=[1, 2])
+    parser.add_argument("--by", nargs="+", default=["work:1", "work:2"])
+    parser.add_argument("--one", type=Path)
     parser.add_argument("--kills", type=int, default=0)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--out", type=Path, required=True)
     words = [*sys.argv[1:], "--"]
     asked, bake = parser.parse_args(words[: words.index("--")]), words[words.index("--") + 1 : -1]
-    local, far = asked.out / "one", asked.out / "farm"
+    local, far = asked.one or asked.out / "one", asked.out / "farm"
     shutil.rmtree(asked.out, ignore_errors=True)
-    alone = run([*_BAKE, str(asked.scene), *bake, "--out", str(local), *_QUIET])
-    print(f"one process: {told(alone)}", flush=True)
+    if asked.one is None:
+        alone = run([*_BAKE, str(asked.scene), *bake, "--out", str(local), *_QUIET])
+        print(f"one process: {told(alone)}", flush=True)
     prepared = run([*_BAKE, "prepare", str(asked.scene), *bake, "--out", str(far), *_QUIET])
     (folder,) = far.glob("*.radtex-farm")
     print(f"prepared: {told(prepared)}, {len(read_tasks(folder).tasks)} tasks", flush=True)
-    for count in asked.workers:
+    for engine in asked.by:
         forget(folder)
-        cost = work(folder, count)
+        name, _, count = engine.partition(":")
+        begun = perf_counter(), processor_seconds()
+        ENGINES[name](folder, int(count or 1))
+        cost = Cost(perf_counter() - begun[0], processor_seconds() - begun[1])
         farm = read_tasks(folder)
-        print(f"{count} workers: {told(cost)}; {graph(farm)}", flush=True)
-        print(f"  {assembled(farm, local, asked.out / f'by-{count}')}", flush=True)
+        print(f"{engine}: {told(cost)}; {graph(farm)}", flush=True)
+        print(f"  {assembled(farm, local, asked.out / 'assembled')}", flush=True)
     if asked.kills:
         forget(folder)
         killed_work(folder, asked.kills, asked.seed)
@@ -86,6 +98,12 @@ def awaited(processes: list[subprocess.Popen[bytes]]) -> Cost:
     return Cost(perf_counter() - begun, processors)
 
 
+def processor_seconds() -> float:
+    """Seconds of processors that this process's ended children, and theirs, have taken."""
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
+
+
 def forget(folder: Path) -> None:
     """Remove all that tasks have made."""
     for name in _MADE:
@@ -101,9 +119,42 @@ def worker(folder: Path) -> subprocess.Popen[bytes]:
     )
 
 
-def work(folder: Path, count: int) -> Cost:
-    """Do all tasks by so many workers."""
-    return awaited([worker(folder) for _ in range(count)])
+def by_workers(folder: Path, count: int) -> None:
+    """Do all tasks by so many `bake.py work FOLDER`."""
+    awaited([worker(folder) for _ in range(count)])
+
+
+def by_openjd(folder: Path, count: int) -> None:
+    """Do all tasks by OpenJD, so many at once."""
+    program = str(ready_python(OPENJD) / "openjd")
+    command = [program, "run", str(folder / "openjd.yaml"), "-p", f"Work={' '.join([*_BAKE, 'work'])}"]
+
+    def do(step: str, task: str) -> None:
+        run([*command, "--step", step, "--no-run-dependencies", "-tp", f"Task={task}"])
+
+    done_in_steps(read_tasks(folder), count, do)
+
+
+def by_make(folder: Path, count: int) -> None:
+    run(["make", "-C", str(folder), f"-j{count}", f"WORK={' '.join([*_BAKE, 'work', *_QUIET])}"])
+
+
+def by_slurm(folder: Path, _count: int) -> None:
+    """Do all tasks by the script for Slurm; its seconds of processors are those of daemons, and not known."""
+    with tempfile.TemporaryDirectory() as place, slurm_cluster(Path(place)) as cluster:
+        variables = cluster.variables | {"WORK": " ".join([*_BAKE, "work", *_QUIET]), "ASSEMBLE": ""}
+        subprocess.run(
+            ["bash", str(folder / "slurm.sh")], env=variables, check=True, stdout=subprocess.DEVNULL
+        )
+        cluster.wait(_HOURS)
+
+
+ENGINES: dict[str, Callable[[Path, int], None]] = {
+    "work": by_workers,
+    "openjd": by_openjd,
+    "make": by_make,
+    "slurm": by_slurm,
+}
 
 
 def killed_work(folder: Path, kills: int, seed: int) -> None:
@@ -144,7 +195,7 @@ def graph(farm: TaskFarm) -> str:
 
 def assembled(farm: TaskFarm, local: Path, out: Path) -> str:
     """Assemble, and compare with what one process made."""
-    run([*_BAKE, "assemble", str(farm.folder), "--out", str(out), *_QUIET])
+    run([*_BAKE, "assemble", str(farm.folder), "--out", str(out), "--overwrite", *_QUIET])
     same = digests(out) == digests(local)
     return f"{len(digests(local))} files, {'the same as' if same else 'OTHERS THAN'} one process's"
 

@@ -179,6 +179,25 @@ def test_linked_things_fonts_and_volumes_come_along(
     assert paths == [str(farm.files.folder / cloud)]
 
 
+def test_an_object_that_would_lose_its_name_is_named(
+    scene: bpy.types.Scene, out: Path, tmp_path: Path
+) -> None:
+    library = tmp_path / "library.blend"
+    _make_library(library)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    libraries: Any = bpy.data.libraries
+    with libraries.load(str(library), link=True) as (_, wanted):
+        wanted.objects = ["Linked"]
+    bpy.ops.mesh.primitive_cube_add()
+    bpy.context.object.name = BOX
+    shown: Any = bpy.context.scene
+    for item in (bpy.data.objects["Linked"], bpy.data.objects.new("Linked", None)):
+        shown.collection.objects.link(item)
+    with pytest.raises(InputError, match=r"object 'Linked' \(linked from .*library\.blend\) has the name of"):
+        prepared(shown, SPEC, out)
+    assert not list(out.iterdir())
+
+
 def _make_library(path: Path) -> None:
     linked = _other()
     linked.name = "Linked"

@@ -22,7 +22,7 @@ from radtex_addon.bake.progress import finished
 from radtex_addon.core.errors import BakeError, FormatError, InputError, RadTexError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.farm import claims
-from radtex_addon.farm.assemble_tasks import assemble_tasks_steps
+from radtex_addon.farm.assemble_tasks import TasksLeftError, assemble_tasks_steps
 from radtex_addon.farm.claims import Claim, claimed
 from radtex_addon.farm.farm_files import tasks_file
 from radtex_addon.farm.prepare_tasks import prepare_tasks_steps
@@ -169,6 +169,24 @@ def test_a_lost_or_damaged_piece_is_named_with_the_task_that_makes_it(farm: Task
         assemble(farm, out)
     do(farm, [f"{BALL}.light", f"{BALL}.bake"])
     assemble(farm, out)
+
+
+@pytest.mark.one_blender
+def test_the_bakes_that_are_done_are_joined_without_the_others(
+    farm: TaskFarm, out: Path, batch: Batch, caplog: pytest.LogCaptureFixture
+) -> None:
+    farm.set_undone(f"{BALL}.bake")
+    said = refusal(batch("assemble", farm.folder, "--out", out), code=1)
+    assert said.endswith(f"{farm.command([f'{BALL}.bake'])}, or join the bakes that are done, 2 (--done)")
+    assert not out.exists()
+    made = finished(assemble_tasks_steps(farm, out, some=True))
+    assert [(one.name, one.spec.kind) for one in made] == [(PLATE, Kind.RADIANCE), (PLATE, Kind.SHADOW)]
+    assert f"1 of {len(farm.tasks)} tasks are not done: {BALL}.bake; do them: " in caplog.text
+    assert not list(out.glob(f"{BALL}*"))
+    for bake in farm.bakes:
+        farm.set_undone(bake.last)
+    with pytest.raises(TasksLeftError, match="3 of"):
+        finished(assemble_tasks_steps(farm, out, some=True))
 
 
 @pytest.mark.one_blender

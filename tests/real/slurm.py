@@ -57,9 +57,9 @@ class Cluster:
 
     variables: dict[str, str]
 
-    def wait(self) -> None:
-        """Until no job waits or runs."""
-        end = time.monotonic() + _PATIENCE
+    def wait(self, patience: float = _PATIENCE) -> None:
+        """Until no job waits or runs, for so many seconds at most."""
+        end = time.monotonic() + patience
         while queue := self._said("squeue", "--noheader"):
             assert time.monotonic() < end, queue
             time.sleep(0.3)

@@ -7,12 +7,16 @@ from __future__ import annotations
 import shutil
 import subprocess
 import sys
+from collections.abc import Callable
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import bpy
 
+from radtex_addon.farm.steps import steps_of
+from radtex_addon.farm.tasks import TaskFarm
 from tests.blender import stage
 from tests.blender.killed import digests
 from tests.real.root import REPOSITORY
@@ -87,6 +91,22 @@ class PreparedFarm:
     def check_done(self, farm: Path) -> None:
         """All of a copy's tasks are done, and each file is that of one machine, byte by byte."""
         assert digests(farm / "baked" / BOX) == self.local
+
+
+def done_in_steps(farm: TaskFarm, workers: int, do: Callable[[str, str], None]) -> None:
+    """Do all tasks by `do(step, task)`, so many at once; no step begins before those that it needs."""
+    left = {step.name: step for step in steps_of(farm.tasks)}
+    tasks_left = {name: len(step.tasks) for name, step in left.items()}
+    with ThreadPoolExecutor(workers) as pool:
+        running: dict[Future[None], str] = {}
+        while left or running:
+            ready = [step for step in left.values() if not any(map(tasks_left.get, step.needs))]
+            for step in ready:
+                running |= {pool.submit(do, step.name, task.name): step.name for task in step.tasks}
+                del left[step.name]
+            for future in wait(running, return_when=FIRST_COMPLETED).done:
+                future.result()
+                tasks_left[running.pop(future)] -= 1
 
 
 def _bake_py(*arguments: str) -> None:

@@ -12,14 +12,14 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
-from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import bpy
 import pytest
 
-from radtex_addon.farm.steps import STEPS, steps_of
+from radtex_addon.farm.steps import STEPS
 from radtex_addon.farm.tasks import read_tasks
 from radtex_addon.farm.templates import write_task_templates
 from tests.blender.killed import digests
@@ -27,7 +27,7 @@ from tests.blender.test_farm_templates import farm_of
 from tests.real.nodes import OPENJD, NodeUnavailableError, ready_python
 from tests.real.root import REPOSITORY
 from tests.real.slurm import Cluster, SlurmUnavailableError, slurm_cluster
-from tests.real.task_farm import BOX, PreparedFarm, Worker, bake_command
+from tests.real.task_farm import BOX, PreparedFarm, Worker, bake_command, done_in_steps
 from tests.real.web import compiled_flamenco_job
 
 pytestmark = [
@@ -74,22 +74,7 @@ def test_openjd_workers_do_what_one_does(
 ) -> None:
     """So many at once, each a task whose step waits for no other; one fails, and is done again."""
     worker = Worker.made(tmp_path, FLAKY)
-    steps = {step.name: step for step in steps_of(read_tasks(farm).tasks)}
-
-    def work(step: str) -> None:
-        for task in steps[step].tasks:
-            _do_once_more(farm, worker, step, task.name)
-
-    with ThreadPoolExecutor(workers) as pool:
-        running: dict[Future[None], str] = {}
-        done: set[str] = set()
-        while len(done) < len(steps):
-            left = [step for step in steps.values() if step.name not in {*done, *running.values()}]
-            ready = [step.name for step in left if done.issuperset(step.needs)]
-            running |= {pool.submit(work, name): name for name in ready}
-            for future in wait(running, return_when=FIRST_COMPLETED).done:
-                future.result()
-                done.add(running.pop(future))
+    done_in_steps(read_tasks(farm), workers, partial(_do_once_more, farm, worker))
     assert {task: len(processes) for task, processes in worker.begun().items()} == {
         task: 1 + (task == FLAKY) for task in read_tasks(farm).by_name
     }
