@@ -56,7 +56,8 @@ def assemble_tasks_steps(
     If previews were asked for, **the farm's scene is open afterwards**. `overwrite` replaces no better bake
     and none of another .blend without `overwrite_any`. Yields progress. Raises TasksLeftError, which names
     the tasks that are to be done, if not all are; InputError for files that would be overwritten; then
-    nothing is written. With `some` bakes are enough, if any is done: those are written, and a warning names the tasks.
+    nothing is written. With `some` bakes are enough, if any is done: those are written, and a warning names
+    the tasks.
     """
     out = farm.folder.absolute().parent if out is None else out
     bakes = yield from _finished(farm, some)
