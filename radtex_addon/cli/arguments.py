@@ -70,7 +70,7 @@ class Request:
     `passes` fold samples into one atlas; `serve` is the port at which the web page is served meanwhile. With
     a `thumbnail` a bake also draws its UV map, in the file `map_picture`, if that is given. The meshes of
     `collections` are baked, too, or `everything` that renders. With `export_again`, exports follow that the
-    .blend keeps of these bakes.
+    .blend keeps of these bakes. A farm that is prepared has `stock_frames` for machines without RadTex.
     """
 
     scene: Path | None
@@ -88,6 +88,7 @@ class Request:
     collections: tuple[str, ...] = ()
     everything: bool = False
     export_again: bool = False
+    stock_frames: bool = False
 
 
 def parse(arguments: list[str], inside_blender: bool) -> Request:

@@ -5,12 +5,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from functools import partial
 from pathlib import Path
 
 import bpy
 
+from ..core.errors import InputError
 from ..core.quoting import quoted
 from ..farm.farm_files import tasks_file
 from ..farm.farm_manifest import renders_as_frames
@@ -18,6 +19,7 @@ from ..farm.frame_list import commands
 from ..farm.prepare_farm import Farm, prepare_steps
 from ..farm.prepare_tasks import PreparedTasks, prepare_tasks_steps
 from ..farm.self_contained import Carried
+from ..farm.tasks import TaskFarm
 from ..formats.disk.memory import readable_size
 from ..job.bake_plan import check_plans
 from ..job.variants import Bake
@@ -47,6 +49,8 @@ def run_prepare(request: Request, report: Report, interruption: Interruption) ->
     whole = bakes.open_layout is not None or bakes.as_scene or bakes.assets
     asked = () if whole else bakes.asked(scene)
     if len(asked) == 1 and renders_as_frames(asked[0][1]):
+        if request.stock_frames:
+            raise InputError("--stock-frames: in layout buckets all is frames already: leave it out")
         _prepare_frames(scene, asked[0], request, report, interruption)
     else:
         _prepare_tasks(scene, request, report, interruption)
@@ -77,7 +81,14 @@ def _prepare_tasks(
     for atlas in atlases:
         report.event("note", message=atlas.told)
     wanted = [bake for plan in plans for bake in plan.wanted]
-    steps = prepare_tasks_steps(scene, wanted, bakes.folder, preview=bakes.preview, overwrite=bakes.overwrite)
+    steps = prepare_tasks_steps(
+        scene,
+        wanted,
+        bakes.folder,
+        preview=bakes.preview,
+        overwrite=bakes.overwrite,
+        frames=request.stock_frames,
+    )
     name = scene.name  # it is removed meanwhile
     made = interruption.between(steps, partial(report.progress, name))
     report.event("done", object=name, summary=_summary_of_tasks(made), **_facts_of_tasks(made))
@@ -85,15 +96,38 @@ def _prepare_tasks(
 
 def _summary_of_tasks(made: PreparedTasks) -> tuple[str, ...]:
     farm = made.farm
-    hours = [f"{_hours(farm.seconds_for(machines))} on {machines}" for machines in _MACHINES]
-    total = _hours(sum(task.seconds for task in farm.tasks))
+    whole = replace(farm, tasks=farm.with_frames())
+    hours = [f"{_hours(whole.seconds_for(machines))} on {machines}" for machines in _MACHINES]
+    total = _hours(sum(task.seconds for task in whole.tasks))
     return (
         f"{len(farm.bakes)} atlases, {len(farm.tasks)} tasks, {readable_size(made.size)} to travel",
         *_carried(farm.carried, tasks_file(farm.folder)),
         f"by typical times {total} of one processor core; about {', '.join(hours)} of them",
+        *_summary_of_frames(farm),
         f"do them, on as many machines as there are: {farm.command()}",
         f"then join them: {quoted(['python', 'bake.py', ASSEMBLE, str(farm.folder)])}",
     )
+
+
+def _summary_of_frames(farm: TaskFarm) -> list[str]:
+    """What machines without RadTex do first, if there is anything."""
+    if not farm.frames:
+        return []
+    seconds = sum(each.seconds * each.count for each in farm.frames)
+    blends = [quoted(["blender", "-b", str(each.blend(farm.folder)), "-a"]) for each in farm.frames]
+    count = sum(each.count for each in farm.frames)
+    lines = [
+        f"first render {count} frames ({_hours(seconds)} of one core) on machines with nothing but Blender:",
+        *(f"  {command}" for command in blends[:_LISTED]),
+    ]
+    if len(blends) > _LISTED:
+        lines.append(f"  … and {len(blends) - _LISTED} more .blends in that folder")
+    framed = {each.bake for each in farm.frames}
+    others = [bake.key for bake in farm.bakes if bake.key not in framed]
+    if others:
+        said = ", ".join(others[:_LISTED]) + (" …" if len(others) > _LISTED else "")
+        lines.append(f"no frames are of {said}, which machines with RadTex render alone")
+    return lines
 
 
 def _hours(seconds: float) -> str:
@@ -102,13 +136,15 @@ def _hours(seconds: float) -> str:
 
 def _facts_of_tasks(made: PreparedTasks) -> dict[str, object]:
     farm = made.farm
+    whole = replace(farm, tasks=farm.with_frames())
     return {
         "files": [str(farm.folder)],
         "job": farm.job,
         "tasks": [task.name for task in farm.tasks],
         "bytes": made.size,
-        "seconds": {str(machines): round(farm.seconds_for(machines)) for machines in _MACHINES},
+        "seconds": {str(machines): round(whole.seconds_for(machines)) for machines in _MACHINES},
         "carried": [asdict(each) for each in farm.carried],
+        "stock_frames": [each.to_facts() for each in farm.frames],
     }
 
 

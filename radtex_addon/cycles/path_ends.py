@@ -125,17 +125,29 @@ class PathEnds:
 
     def emit_directions(self, turn: int) -> None:
         """Emit directions d as d / 2 + 1/2, with components rotated by `turn` among red, green and blue."""
-        self._write(0.0, turn)
+        self._write(turn)
 
     def emit_white(self) -> None:
         """Emit (1, 1, 1)."""
-        self._write(1.0, 0)
+        self._write(None)
 
-    def _write(self, white: float, turn: int) -> None:
-        values = {"white": white} | {f"turn {index}": float(index == turn) for index in range(TURNS)}
+    def _write(self, turn: int | None) -> None:
+        values = emission_values(turn)
         for node in self._group.nodes:
             if node.label in values:
                 cast(Any, node).outputs[0].default_value = values[node.label]
+
+
+def emission_values(turn: int | None) -> dict[str, float]:
+    """Values of the light's nodes by their labels, for directions at a turn, or for white light if None."""
+    turns = {f"turn {index}": float(index == (turn or 0)) for index in range(TURNS)}
+    return {"white": float(turn is None)} | turns
+
+
+def light_tree(scene: bpy.types.Scene) -> bpy.types.NodeTree:
+    """The node group of the light in a scene that `path_ends` has made, with the nodes of these labels."""
+    nodes = cast(Any, scene.world).node_tree.nodes
+    return cast(bpy.types.NodeTree, next(node.node_tree for node in nodes if node.type == "GROUP"))
 
 
 def any_dark(white: Floats) -> bool:

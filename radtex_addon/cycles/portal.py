@@ -10,6 +10,7 @@ looks at a sharp mirror, and portals above it catch the glossy rays.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import isqrt, pi
 from pathlib import Path
@@ -153,36 +154,20 @@ class PortalCapture:
 
     def render_passes(self, tile: Tile) -> Passes:
         """Render a tile, and return every pass that is kept: each (k, n, n, C), [texel, q, p]."""
-        parts = [self._render_part(sheet, part) for sheet, part in self._plan.in_sheets(tile)]
-        if len(parts) == 1:
-            return parts[0]
-        joined = {name: np.concatenate([part.raw[name] for part in parts]) for name in parts[0].raw}
-        return replace(parts[0], raw=joined)
+        return _joined([self._render_part(sheet, part) for sheet, part in self._plan.in_sheets(tile)])
 
     def _render_part(self, sheet: int, tile: Tile) -> Passes:
         """Like `render_passes`, for a tile that lies in one sheet."""
         plan, n, height = self._plan, self._plan.layout.bucket, self._plan.sheet_rows
         self._show(sheet)
-        rows = max(tile.rows, -(-MIN_IMAGE_SIDE // n))  # Blender renders no lower picture
-        first = min(tile.first_row, height - rows)
+        first, rows = rendered_rows(plan, tile)
         render = self._scene.render
         # Row 0 of the packed image is at the bottom; a quarter of a pixel keeps rounding safe.
         total = height * n
         render.border_min_x, render.border_max_x = 0.0, 1.0
         render.border_min_y = (first * n + 0.25) / total if first else 0.0
         render.border_max_y = min(1.0, ((first + rows) * n + 0.25) / total)
-        expected = (rows * n, plan.columns * n)
-        texels = plan.texels_of(Tile(sheet * height + tile.first_row, tile.rows))
-
-        def cells_of(image: Floats) -> Floats:
-            if image.shape[:2] != expected:
-                raise BakeError(f"Cycles returned a tile of {image.shape[:2]}, expected {expected}")
-            cells = image.reshape(rows, n, plan.columns, n, -1).transpose(0, 2, 1, 3, 4)
-            return cells[tile.first_row - first :].reshape(-1, n, n, image.shape[2])[: len(texels)]
-
-        passes = render_layers(self._scene, self._file)
-        finite_light(passes.raw_whole)
-        return passes.mapped(cells_of)
+        return _passes_of_rows(plan, sheet, tile, render_layers(self._scene, self._file))
 
     def reseed(self, seed: int) -> None:
         """Set the seed of the next renders, for different noise."""
@@ -196,6 +181,57 @@ class PortalCapture:
         self._sheet = sheet
         self.reseed(self._seed)
         self._fields.show(sheet)
+
+
+class SheetCapture:
+    """Takes tiles from pictures of whole sheets, which were rendered by a scene that is `whole`.
+
+    Cycles seeds its rays by pixel: a tile has the same bits in a picture of its sheet as in one of its own.
+    """
+
+    def __init__(self, plan: CapturePlan, sheet: Callable[[int], Passes]) -> None:
+        """`sheet` gives a sheet's passes, each (H, W, C), by its number."""
+        self._plan, self._sheet = plan, sheet
+
+    def render_passes(self, tile: Tile) -> Passes:
+        """As of a `PortalCapture`."""
+        return _joined([self._part(sheet, part) for sheet, part in self._plan.in_sheets(tile)])
+
+    def _part(self, sheet: int, tile: Tile) -> Passes:
+        n = self._plan.layout.bucket
+        first, rows = rendered_rows(self._plan, tile)
+        rendered = self._sheet(sheet).mapped(lambda image: image[first * n : (first + rows) * n])
+        return _passes_of_rows(self._plan, sheet, tile, rendered)
+
+
+def rendered_rows(plan: CapturePlan, tile: Tile) -> tuple[int, int]:
+    """The first row, and the number of rows, that are rendered for a tile of a sheet."""
+    rows = max(tile.rows, -(-MIN_IMAGE_SIDE // plan.layout.bucket))  # Blender renders no lower picture
+    return min(tile.first_row, plan.sheet_rows - rows), rows
+
+
+def _joined(parts: list[Passes]) -> Passes:
+    if len(parts) == 1:
+        return parts[0]
+    joined = {name: np.concatenate([part.raw[name] for part in parts]) for name in parts[0].raw}
+    return replace(parts[0], raw=joined)
+
+
+def _passes_of_rows(plan: CapturePlan, sheet: int, tile: Tile, rendered: Passes) -> Passes:
+    """A tile's passes, each (k, n, n, C), of a picture of the rows that were rendered for it."""
+    n = plan.layout.bucket
+    first, rows = rendered_rows(plan, tile)
+    expected = (rows * n, plan.columns * n)
+    texels = plan.texels_of(Tile(sheet * plan.sheet_rows + tile.first_row, tile.rows))
+
+    def cells_of(image: Floats) -> Floats:
+        if image.shape[:2] != expected:
+            raise BakeError(f"Cycles returned a tile of {image.shape[:2]}, expected {expected}")
+        cells = image.reshape(rows, n, plan.columns, n, -1).transpose(0, 2, 1, 3, 4)
+        return cells[tile.first_row - first :].reshape(-1, n, n, image.shape[2])[: len(texels)]
+
+    finite_light(rendered.raw_whole)
+    return rendered.mapped(cells_of)
 
 
 class _Fields:

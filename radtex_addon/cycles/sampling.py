@@ -8,9 +8,10 @@ own, to which it adds its planes and camera.
 
 from __future__ import annotations
 
-from collections.abc import Generator
-from functools import partial
+from collections.abc import Callable, Generator
+from functools import cached_property, partial
 from pathlib import Path
+from typing import TypeAlias
 
 import bpy
 import numpy as np
@@ -30,13 +31,33 @@ from ..core.arrays import Bools, Floats
 from ..settings.kinds import Kind
 from .passes import Passes, attributes_of, colour_of, light_of, raw_light_of
 from .path_ends import TURNS, PathEnds, any_dark, from_directions
-from .portal import Aim, PortalCapture
+from .portal import Aim, PortalCapture, SheetCapture
 
 TILE_PIXELS = 3 << 20
 LIGHT, ENDS = "light", "ends"  # pieces begin with these and a hyphen
 _TEXELS_AT_ONCE = 1 << 12
 LOBES = {"diffuse": "diffuse", "mirrored": "glossy", "through": "transmission"}  # Cycles's names
 DIFFUSE, MIRRORED, THROUGH = map(attributes_of, LOBES.values())
+EMITTED = (None, 0)  # what the light of ends' sheets is that are rendered elsewhere: see `PathEnds`
+
+# All passes of a sheet: of LIGHT (0), or of ENDS by the number of the EMITTED light; then the sheet's number
+Sheets: TypeAlias = Callable[[int, int], Passes]
+_Capture: TypeAlias = PortalCapture | SheetCapture
+
+
+def light_aim(plan: CapturePlan, seed: int) -> Aim:
+    """How the rays of light are aimed."""
+    return Aim(spread_shifts(len(plan.texel), seed), DIFFUSE + THROUGH)
+
+
+def ends_aim(plan: CapturePlan, seed: int) -> Aim:
+    """How the rays are aimed that find where paths end."""
+    return Aim(spread_shifts(len(plan.texel), seed + 2), MIRRORED + THROUGH)
+
+
+def show_sheets(scene: bpy.types.Scene, plan: CapturePlan, aim: Aim, seed: int, folder: Path) -> None:
+    """Set a scene up for all sheets of a capture: it renders any of them, as `PortalCapture` says."""
+    PortalCapture(scene, plan, Kind.RADIANCE, 1, seed, folder, aim, whole=True)
 
 
 def capture_samples(
@@ -47,15 +68,20 @@ def capture_samples(
     folder: Path,
     store: PieceStore = NO_STORE,
     thumbnail: Thumbnail | None = None,
+    sheets: Sheets | None = None,
 ) -> Generator[Progress, None, LightSamples]:
     """Trace one path in each of the plan's cells.
 
-    `hidden` (K, m, m) marks hidden cells, on a coarser grid. Yields progress in texels. Raises
-    BakeError where Cycles fails.
+    `hidden` (K, m, m) marks hidden cells, on a coarser grid. `sheets` that were rendered elsewhere take the
+    place of renders. Yields progress in texels. Raises BakeError where Cycles fails.
     """
     count, cells = len(plan.texel), plan.layout.bucket**2
-    aim = Aim(spread_shifts(count, seed), DIFFUSE + THROUGH)
-    capture = PortalCapture(scene, plan, Kind.RADIANCE, 1, seed, folder, aim)
+    aim = light_aim(plan, seed)
+    capture: _Capture
+    if sheets is None:
+        capture = PortalCapture(scene, plan, Kind.RADIANCE, 1, seed, folder, aim)
+    else:
+        capture = SheetCapture(plan, partial(sheets, 0))
     samples: Arrays = {name: large_arrays.empty((count, cells, 3), np.float16) for name in LOBES}
     samples["colour"] = np.empty((count, 3), dtype=np.float32)
     tiles = tiles_of(plan)
@@ -85,7 +111,7 @@ def _seen(square: Floats, hidden: Bools) -> Bools:
     return seen
 
 
-def _trace_light(capture: PortalCapture, tile: Tile, cells: int) -> Arrays:
+def _trace_light(capture: _Capture, tile: Tile, cells: int) -> Arrays:
     passes = capture.render_passes(tile)
     diffuse, through = _light(passes, "diffuse"), _light(passes, "through")
     mirrored = passes.whole[..., :3] - diffuse - through
@@ -96,21 +122,27 @@ def _trace_light(capture: PortalCapture, tile: Tile, cells: int) -> Arrays:
 
 
 def capture_ends(
-    ends: PathEnds, plan: CapturePlan, seed: int, folder: Path, store: PieceStore = NO_STORE
+    ends: PathEnds,
+    plan: CapturePlan,
+    seed: int,
+    folder: Path,
+    store: PieceStore = NO_STORE,
+    sheets: Sheets | None = None,
 ) -> EndSamples:
     """Find where a path from each of the plan's cells ends, and how much of it the object lets through.
 
-    Raises BakeError where Cycles fails.
+    `sheets` that were rendered elsewhere take the place of renders in the EMITTED lights. Raises BakeError
+    where Cycles fails.
     """
     count, cells = len(plan.texel), plan.layout.bucket**2
-    aim = Aim(spread_shifts(count, seed + 2), MIRRORED + THROUGH)
-    capture = PortalCapture(ends.scene, plan, Kind.RADIANCE, 1, seed, folder, aim)
+    aim = ends_aim(plan, seed)
+    capture = _EndsCapture(ends, plan, seed, folder, aim, sheets)
     parts: Arrays = {}
     tiles = tiles_of(plan)
     names = [_name(ENDS, tile) for tile in tiles]
     for number in in_shares(store, names):
         first = tiles[number].first_row * plan.columns
-        found = store.get_or_make(names[number], partial(_trace_ends, ends, capture, tiles[number]))
+        found = store.get_or_make(names[number], partial(_trace_ends, capture, tiles[number]))
         for name, part in found.items():
             if name not in parts:
                 parts[name] = large_arrays.empty((count, cells, 3), np.float16)
@@ -119,17 +151,39 @@ def capture_ends(
     return EndSamples(plan, aim.squares(plan.layout.bucket), **parts)
 
 
-def _trace_ends(ends: PathEnds, capture: PortalCapture, tile: Tile) -> Arrays:
-    ends.emit_white()
-    with ends.named_alike():
-        white = capture.render_passes(tile)
+class _EndsCapture:
+    """Renders tiles in one light after another, or takes them from `sheets` where these have that light."""
+
+    def __init__(
+        self, ends: PathEnds, plan: CapturePlan, seed: int, folder: Path, aim: Aim, sheets: Sheets | None
+    ) -> None:
+        self._ends, self._plan, self._aim = ends, plan, aim
+        self._seed, self._folder, self._sheets = seed, folder, sheets
+
+    def render_passes(self, tile: Tile, turn: int | None) -> Passes:
+        """A tile's passes in the light of directions at a turn, or in white light if None."""
+        if self._sheets is not None and turn in EMITTED:
+            return SheetCapture(self._plan, partial(self._sheets, EMITTED.index(turn))).render_passes(tile)
+        renders = self._renders
+        if turn is None:
+            self._ends.emit_white()
+        else:
+            self._ends.emit_directions(turn)
+        with self._ends.named_alike():
+            return renders.render_passes(tile)
+
+    @cached_property
+    def _renders(self) -> PortalCapture:
+        return PortalCapture(
+            self._ends.scene, self._plan, Kind.RADIANCE, 1, self._seed, self._folder, self._aim
+        )
+
+
+def _trace_ends(capture: _EndsCapture, tile: Tile) -> Arrays:
+    white = capture.render_passes(tile, None)
     weights = {lobe: raw_light_of(white, LOBES[lobe]) for lobe in ("mirrored", "through")}
     deep = any(any_dark(weight) for weight in weights.values())  # colours with an almost black channel
-    emitted = []
-    for turn in range(TURNS if deep else 1):
-        ends.emit_directions(turn)
-        with ends.named_alike():
-            emitted.append(capture.render_passes(tile))
+    emitted = [capture.render_passes(tile, turn) for turn in range(TURNS if deep else 1)]
     found: Arrays = {}
     for lobe, weight in weights.items():
         coded = [raw_light_of(passes, LOBES[lobe]) for passes in emitted]  # directions, not colours
@@ -150,8 +204,13 @@ def straight_shifts(count: int) -> Floats:
 
 def tiles_of(plan: CapturePlan, samples: int = 1) -> list[Tile]:
     """The tiles in which a plan of so many `samples` for each ray is rendered."""
-    rows = max(1, TILE_PIXELS // (plan.columns * plan.layout.bucket**2 * samples))
+    rows = rows_of_tiles(plan.columns, plan.layout.bucket, samples)
     return [Tile(row, min(rows, plan.rows - row)) for row in range(0, plan.rows, rows)]
+
+
+def rows_of_tiles(columns: int, bucket: int, samples: int = 1) -> int:
+    """The rows of each tile, but the last, of a plan of so many columns of buckets."""
+    return max(1, TILE_PIXELS // (columns * bucket**2 * samples))
 
 
 def _light(passes: Passes, lobe: str) -> Floats:

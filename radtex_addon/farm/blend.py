@@ -1,14 +1,14 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The farm's .blend: a scene set up for a capture, saved without animation and with all files it needs.
+"""A .blend for farms: a scene set up for a capture, saved without animation and with all files it needs.
 
-Its animation has a sheet per frame, each written as a picture.
+Its animation has a sheet per frame, or a sheet in another light, each written as a picture.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, cast
 
@@ -17,17 +17,31 @@ import numpy as np
 
 from ..bake.plan import sheet_seed
 from ..core.errors import BakeError, InputError
+from ..cycles.path_ends import light_tree
 from ..cycles.portal import FIRST_ROW
 from ..preview.save import images_of
 from ..scene.digests import Looks, looks_of
 from .animation import curves_of
-from .farm_files import FarmFiles
-from .farm_manifest import FarmManifest
-from .freeze_scene import Held, hold_still, read_cached
-from .self_contained import PackedFiles, make_local, pack_files
+from .freeze_scene import Held, check_looks, hold_still, read_cached
+from .self_contained import PackedFiles, make_local
 
-OUTPUT = "//frames/####"
 _SCENE = "RadTex farm"
+
+
+@dataclass(frozen=True)
+class SheetFrames:
+    """What frames 1, 2 … of a .blend show: the sheets with the numbers `sheet`, of so many rows of buckets.
+
+    The pictures are written to `output`, with the `note` in their headers. The bake has the `seed`. The nodes
+    of `light_tree` that are labelled as in `values` take these, one for every frame.
+    """
+
+    sheet: Sequence[int]
+    sheet_rows: int
+    seed: int
+    output: str
+    note: str
+    values: Mapping[str, Sequence[float]] = field(default_factory=dict)
 
 
 def check_seed(seed: int, sheets: int) -> None:
@@ -36,22 +50,22 @@ def check_seed(seed: int, sheets: int) -> None:
         raise InputError(f"seed {seed}: a farm's frames hold no such number, give one below {2**23}")
 
 
-def animate_sheets(scene: bpy.types.Scene, manifest: FarmManifest) -> None:
-    """Make frame f render sheet f - 1, and write its picture with the job's name in the header."""
-    rows = [0.5 + manifest.sheet_rows * sheet for sheet in range(manifest.sheets)]
-    seeds = [sheet_seed(manifest.spec.seed, sheet) for sheet in range(manifest.sheets)]
-    tree: Any = portal_tree(scene)
-    node = next(node for node in tree.nodes if node.label == FIRST_ROW)
-    _key(tree, f'nodes["{node.name}"].outputs[0].default_value', rows)
+def animate_sheets(scene: bpy.types.Scene, frames: SheetFrames) -> None:
+    """Make each frame render what it shows, and write its picture with the job's name in the header."""
+    rows = [0.5 + frames.sheet_rows * sheet for sheet in frames.sheet]
+    seeds = [sheet_seed(frames.seed, sheet) for sheet in frames.sheet]
+    _key_node(portal_tree(scene), FIRST_ROW, rows)
+    for label, values in frames.values.items():
+        _key_node(light_tree(scene), label, values)
     _key(scene, "cycles.seed", seeds)
-    scene.frame_start, scene.frame_end, scene.frame_step = 1, manifest.sheets, 1
+    scene.frame_start, scene.frame_end, scene.frame_step = 1, len(frames.sheet), 1
     scene.use_preview_range = False
     render = scene.render
     render.frame_map_old = render.frame_map_new = 100
     render.use_border = render.use_crop_to_border = False
-    render.filepath = OUTPUT
+    render.filepath = frames.output
     render.image_settings.exr_codec = "ZIP"  # loses nothing, and tells by its sums of what was damaged
-    _stamp(render, manifest.note)
+    _stamp(render, frames.note)
     scene.frame_set(1)
 
 
@@ -60,6 +74,11 @@ def portal_tree(scene: bpy.types.Scene) -> bpy.types.NodeTree:
     slots = (slot for item in scene.objects for slot in item.material_slots)
     trees = (slot.material.node_tree for slot in slots if slot.material is not None)
     return next(tree for tree in trees if tree and any(node.label == FIRST_ROW for node in tree.nodes))
+
+
+def _key_node(tree: Any, label: str, values: Sequence[float]) -> None:
+    node = next(node for node in tree.nodes if node.label == label)
+    _key(tree, f'nodes["{node.name}"].outputs[0].default_value', values)
 
 
 def _key(owner: Any, path: str, values: Sequence[float]) -> None:
@@ -129,25 +148,32 @@ def save_draft(scratch: bpy.types.Scene, path: Path) -> tuple[Looks, Held]:
 
 
 def finish_blend(
-    draft: Path, scene_name: str, files: FarmFiles, manifest: FarmManifest, looks: Looks, cached: Held
+    draft: Path,
+    scene_name: str,
+    blend: Path,
+    frames: SheetFrames,
+    looks: Looks,
+    cached: Held,
+    pack: Callable[[], PackedFiles],
 ) -> PackedFiles:
     """Open a draft, and save from it the .blend that farms render; the session is empty afterwards.
 
-    Returns the files beside the .blend, and the files of this machine that go with it. Raises InputError for
-    what a farm cannot render.
+    `pack` makes the open file independent of others. Returns the files beside the .blend, and the files of
+    this machine that go with it. Raises InputError for what a farm cannot render.
     """
     bpy.ops.wm.open_mainfile(filepath=str(draft), load_ui=False, use_scripts=False)
     try:
         scene: Any = bpy.data.scenes[scene_name]
         without_extras(scene)
         libraries = make_local()
-        hold_still(scene, looks, cached, manifest.sheets)
+        hold_still(scene, looks, cached, len(frames.sheet))
         scene.name = _SCENE
-        animate_sheets(scene, manifest)
-        packed = pack_files(files.folder)
-        bpy.ops.wm.save_as_mainfile(filepath=str(files.blend), compress=True, relative_remap=False)
+        animate_sheets(scene, frames)
+        packed = pack()
+        check_looks(scene, looks)  # packing removes what is not used
+        bpy.ops.wm.save_as_mainfile(filepath=str(blend), compress=True, relative_remap=False)
     except RuntimeError as error:
-        raise BakeError(f"{files.blend}: Blender cannot make it ({' '.join(str(error).split())})") from error
+        raise BakeError(f"{blend}: Blender cannot make it ({' '.join(str(error).split())})") from error
     finally:
         bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     return replace(packed, carried=libraries + packed.carried)

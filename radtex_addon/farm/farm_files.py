@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 SUFFIX = ".radtex-farm"
+RUNNER = "render_frames.py"  # renders frames with the bpy module instead of Blender
+OUTPUT = "//frames/####"  # where the farm.blend writes its pictures
 
 
 def tasks_file(folder: Path) -> Path:
@@ -62,7 +64,7 @@ class FarmFiles:
     @property
     def runner(self) -> Path:
         """A script that renders frames with the bpy module instead of Blender."""
-        return self.folder / "render_frames.py"
+        return self.folder / RUNNER
 
     def frame(self, number: int) -> Path:
         """The path to which Blender writes a frame."""

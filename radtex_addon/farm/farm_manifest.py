@@ -276,8 +276,8 @@ def check_farmable(spec: BakeSpec) -> None:
         )
     if not spec.form.farm:
         raise InputError(
-            f"frames for machines without RadTex are of layout {Layout.BUCKETS}, not {spec.layout}, "
-            "whose captures build on one another: that takes machines with RadTex"
+            f"frames that hold a whole bake are of layout {Layout.BUCKETS}, not {spec.layout}, "
+            "whose captures build on one another: prepare tasks, with frames for most of their paths"
         )
     if spec.incremental:
         raise InputError(

@@ -57,11 +57,7 @@ def hold_still(scene: bpy.types.Scene, expected: Looks, cached: Held, last: int)
     hold(render_with(scene, animated_values))
     hold_images(scene)
     _pin(scene, cached)
-    if changed := differing(looks_of(scene), expected):
-        raise InputError(
-            f"object '{changed[0]}' looks otherwise in a copy of the file, as by a simulation "
-            f"that is not baked: {_REMEDY}"
-        )
+    check_looks(scene, expected)
     now = scene.frame_current, scene.frame_subframe
     if moving := _moving(scene, expected, last):
         scene.frame_set(now[0], subframe=now[1])
@@ -71,6 +67,15 @@ def hold_still(scene: bpy.types.Scene, expected: Looks, cached: Held, last: int)
                 f"object '{min(still)}' changes with time, and cannot be held still for a farm: {_REMEDY}"
             )
     scene.frame_set(1)
+
+
+def check_looks(scene: bpy.types.Scene, expected: Looks) -> None:
+    """Raises InputError if an object of the open file's `scene` does not look as expected."""
+    if changed := differing(looks_of(scene), expected):
+        raise InputError(
+            f"object '{changed[0]}' looks otherwise in a copy of the file, as by a simulation "
+            f"that is not baked: {_REMEDY}"
+        )
 
 
 def _moving(scene: bpy.types.Scene, expected: Looks, last: int) -> set[str]:

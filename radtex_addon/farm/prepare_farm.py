@@ -9,6 +9,7 @@ import secrets
 from collections.abc import Generator, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -35,12 +36,12 @@ from ..scene.scratch import at_frame, new_data_removed
 from ..settings.spec import BakeSpec
 from ..store.output_files import OutputFiles
 from ..store.ownership import Overwrite
-from .blend import check_images_saved, check_seed, finish_blend, save_draft
-from .farm_files import FarmFiles, is_farm
+from .blend import SheetFrames, check_images_saved, check_seed, finish_blend, save_draft
+from .farm_files import OUTPUT, FarmFiles, is_farm
 from .farm_manifest import Copies, FarmManifest, check_farmable, check_frame_count, write_plan
 from .farm_progress import AnyStep, FarmStep, FarmTask
 from .freeze_scene import Held, check_holdable
-from .self_contained import Carried
+from .self_contained import Carried, pack_files
 from .templates import write_templates
 
 log = logging.getLogger(__name__)
@@ -122,7 +123,10 @@ def prepare_steps(
         yield FarmStep(FarmTask.HOLD, 0, 1)
         plan, facts, looks, cached, scene_name = draft.found[0]
         manifest = _manifest(name, baked.spec, plan, facts, baked, copies, inside)
-        packed = finish_blend(draft.path, scene_name, inside, manifest, looks, cached)
+        packed = finish_blend(
+            draft.path, scene_name, inside.blend, _frames(manifest), looks, cached,
+            partial(pack_files, inside.folder),
+        )  # fmt: skip
         manifest = replace(manifest, carried=packed.carried)
         draft.path.unlink()
         write_templates(inside, manifest)
@@ -155,6 +159,10 @@ def _manifest(
         digests={path.name: digest(path) for path in needed},
         copies=copies,
     )
+
+
+def _frames(manifest: FarmManifest) -> SheetFrames:
+    return SheetFrames(range(manifest.sheets), manifest.sheet_rows, manifest.spec.seed, OUTPUT, manifest.note)
 
 
 def _save_copies(

@@ -29,9 +29,10 @@ from ..version import VERSION
 from .animation import hold_sequences
 from .blend import check_images_saved, without_extras
 from .farm_files import SUFFIX, tasks_file
-from .farm_progress import FarmStep, FarmTask
+from .farm_progress import AnyStep, FarmStep, FarmTask
 from .freeze_scene import check_caches_travel
 from .prepare_farm import replacing_folder
+from .prepare_frames import check_rendered_as_frames, prepare_frames_steps
 from .self_contained import make_local, pack_files
 from .task_graph import Subject, keyed, tasks_of
 from .tasks import FarmBake, TaskFarm
@@ -78,16 +79,20 @@ def prepare_tasks_steps(
     preview: Filter | None = None,
     overwrite: bool = False,
     blend: Path | None = None,
-) -> Generator[FarmStep, None, PreparedTasks]:
+    frames: bool = False,
+) -> Generator[AnyStep, None, PreparedTasks]:
     """Write a farm's folder into `out`, of bakes that were checked (`job.bake_plan.check_plans`).
 
-    `blend` is the file that the scene is of, by default the open one. Yields progress. No file of the user's
-    changes, but **the session is empty afterwards**. On failure nothing is left in the folder. Raises
-    InputError for what cannot travel, BakeError for what fails.
+    `blend` is the file that the scene is of, by default the open one. With `frames` the maps of layered bakes
+    are made at once, and .blends whose frames any Blender renders for their light and ends. Yields progress.
+    No file of the user's changes, but **the session is empty afterwards**. On failure nothing is left in the
+    folder. Raises InputError for what cannot travel, BakeError for what fails.
     """
     check_farmed(bakes)
     check_images_saved()
     check_caches_travel(scene)
+    if frames:
+        check_rendered_as_frames(scene, bakes)
     own = open_blend() if blend is None else blend
     folder = tasks_folder(bakes, out, own)
     subjects = [_subject(scene, name, spec) for name, spec in bakes]
@@ -122,11 +127,18 @@ def prepare_tasks_steps(
         )
         travels = sum(path.stat().st_size for path in place.rglob("*") if path.is_file())
         memory = _SCENE_BYTES + _OF_FILE * travels
-        farm = replace(farm, tasks=tuple(tasks_of(named, subjects, memory)))
+        farm = replace(farm, tasks=tuple(tasks_of(named, subjects, memory, frames)))
+        _write_list(farm)
+        if frames:
+            farm = replace(farm, frames=(yield from prepare_frames_steps(farm)))
+            _write_list(farm)
         write_task_templates(farm)
-        tasks_file(place).write_text(farm.to_json(), encoding="utf-8", newline="\n")
         size = sum(path.stat().st_size for path in place.rglob("*") if path.is_file())
     return PreparedTasks(replace(farm, folder=folder), size)
+
+
+def _write_list(farm: TaskFarm) -> None:
+    tasks_file(farm.folder).write_text(farm.to_json(), encoding="utf-8", newline="\n")
 
 
 def _subject(scene: bpy.types.Scene, name: str, spec: BakeSpec) -> Subject:

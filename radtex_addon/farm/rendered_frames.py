@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import logging
 import re
-from collections.abc import Generator, Iterable
+from collections.abc import Generator, Iterable, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
@@ -37,6 +37,7 @@ class Fault(StrEnum):
     FOREIGN = "of another job"
     SWAPPED = "another frame's picture"
     DAMAGED = "damaged"
+    VERSION = "of another version of Blender"
     NOT_NUMBERS = "not numbers (look for a material that divides by 0)"
 
 
@@ -46,7 +47,7 @@ def check_frames(files: FarmFiles, manifest: FarmManifest) -> Generator[FarmStep
     Infinite light is clamped to the file's largest value, as in a bake on one machine, with a warning. Raises
     BakeError with the names of all unusable frames, and the commands that render them again.
     """
-    bad: dict[int, tuple[Fault, str]] = {}
+    bad: dict[int, BadFrame] = {}
     versions: set[str] = set()
     endless: list[int] = []
     for number in range(1, manifest.sheets + 1):
@@ -56,8 +57,8 @@ def check_frames(files: FarmFiles, manifest: FarmManifest) -> Generator[FarmStep
             versions.add(checked.version)
             if checked.endless:
                 endless.append(number)
-        except _BadFrame as error:
-            bad[number] = error.fault, error.detail
+        except BadFrame as error:
+            bad[number] = error
     yield FarmStep(FarmTask.CHECK, manifest.sheets, manifest.sheets)
     strays = list(_strays(files, manifest))
     if bad or strays:
@@ -113,7 +114,9 @@ class FarmCapture:
         return self._pixels
 
 
-class _BadFrame(Exception):
+class BadFrame(Exception):
+    """A frame that cannot be used."""
+
     def __init__(self, fault: Fault, detail: str = "") -> None:
         super().__init__(fault)
         self.fault, self.detail = fault, detail
@@ -128,22 +131,34 @@ class _Checked:
 
 
 def _check(files: FarmFiles, manifest: FarmManifest, number: int) -> _Checked:
-    """Check one frame. Raises _BadFrame."""
+    """Check one frame. Raises BadFrame."""
     path = files.frame(number)
-    if not path.is_file():
-        raise _BadFrame(Fault.MISSING)
+    stamps = stamps_of(path, manifest.note, number)
     try:
-        stamps = read_stamps(path)
-        if stamps.get("Note") != manifest.note:
-            raise _BadFrame(Fault.FOREIGN)
-        if (frame := _number(stamps)) != number:
-            raise _BadFrame(Fault.SWAPPED, f"{number} is {frame}")
         pixels = read_frame(path, manifest)
     except FormatError as error:
-        raise _BadFrame(Fault.DAMAGED) from error
+        raise BadFrame(Fault.DAMAGED) from error
     if np.isnan(pixels).any():
-        raise _BadFrame(Fault.NOT_NUMBERS)
+        raise BadFrame(Fault.NOT_NUMBERS)
     return _Checked(stamps.get("Software", ""), bool(np.isinf(pixels).any()))
+
+
+def stamps_of(path: Path, note: str, number: int) -> dict[str, str]:
+    """The stamps of a picture, which say that it is the frame of that number of the job with that note.
+
+    Raises BadFrame.
+    """
+    if not path.is_file():
+        raise BadFrame(Fault.MISSING)
+    try:
+        stamps = read_stamps(path)
+    except FormatError as error:
+        raise BadFrame(Fault.DAMAGED) from error
+    if stamps.get("Note") != note:
+        raise BadFrame(Fault.FOREIGN)
+    if (frame := _number(stamps)) != number:
+        raise BadFrame(Fault.SWAPPED, f"{number} is {frame}")
+    return stamps
 
 
 def _number(stamps: dict[str, str]) -> int:
@@ -165,20 +180,26 @@ def _strays(files: FarmFiles, manifest: FarmManifest) -> Iterable[str]:
         yield f"{path.name} ({f'a duplicate of {_number(stamps)}' if ours else Fault.FOREIGN})"
 
 
-def _complaint(
-    files: FarmFiles, manifest: FarmManifest, bad: dict[int, tuple[Fault, str]], strays: list[str]
-) -> str:
+def faults_told(bad: Mapping[int, BadFrame]) -> str:
+    """What is wrong with frames, by their numbers, in a few words."""
     said = []
     for fault in Fault:
-        frames = [number for number, (found, _) in bad.items() if found is fault]
-        details = ", ".join(detail for found, detail in bad.values() if found is fault and detail)
+        frames = [number for number, found in bad.items() if found.fault is fault]
+        details = dict.fromkeys(found.detail for found in bad.values() if found.fault is fault)
+        told = ", ".join(filter(None, details))
         if frames:
-            said.append(f"{frame_list(frames)} {fault}{f' ({details})' if details else ''}")
+            said.append(f"{frame_list(frames)} {fault}{f' ({told})' if told else ''}")
+    return "; ".join(said)
+
+
+def _complaint(
+    files: FarmFiles, manifest: FarmManifest, bad: Mapping[int, BadFrame], strays: list[str]
+) -> str:
     parts = []
     if bad:
         blender, python = commands(files, bad)
         parts.append(
-            f"{len(bad)} of {manifest.sheets} frames cannot be used: {'; '.join(said)}; "
+            f"{len(bad)} of {manifest.sheets} frames cannot be used: {faults_told(bad)}; "
             f"render just those: {blender}   or, with the bpy module: {python}"
         )
     if strays:

@@ -9,8 +9,8 @@ import platform
 import secrets
 import shutil
 import sys
-from collections.abc import Collection, Generator, Iterator
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable, Collection, Generator, Iterator
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 from time import perf_counter, sleep
@@ -18,6 +18,7 @@ from time import perf_counter, sleep
 import bpy
 
 from ..bake.piece_store import ShareDoneError
+from ..bake.plan import CapturePlan
 from ..bake.progress import Progress, Stopwatch
 from ..core.errors import BakeError, FormatError, InputError
 from ..formats.disk.atomic import refusal
@@ -26,15 +27,16 @@ from ..forms import form_for
 from ..forms.bake_job import BakeJob
 from ..forms.form import Form
 from ..forms.layered.bake import arrays_kept
-from ..forms.layered.capture.capturing import capture_part
+from ..forms.layered.capture.capturing import capture_part, show_parts
 from ..forms.layered.capture.panoramas import StoredViews, pictures_shared
 from ..forms.layered.capture.parts import Part, part_of
 from ..forms.outcome import Outcome
-from ..job.baking import Baked, bake_unchecked
+from ..job.baking import Baked, Baker, bake_unchecked
 from ..scene.scratch import at_frame, new_data_removed
 from ..store.output_files import OutputFiles
 from ..store.shared_pieces import SharedPieces, piece_file
 from .claims import Claim, claimed
+from .part_frames import RenderedPart
 from .tasks import WHOLE, Done, FarmBake, Task, TaskFarm, publish_results
 
 try:
@@ -64,6 +66,7 @@ def task_steps(farm: TaskFarm, name: str) -> Generator[Progress, None, bool]:
         log.warning("task %s is done again: %s", name, faults)
         farm.set_undone(name)
     _check_needs(farm, task)
+    rendered = _rendered(farm, task)
     begun = perf_counter()
     scene = open_scene(farm)
     bake = farm.bake_of(task)
@@ -71,7 +74,7 @@ def task_steps(farm: TaskFarm, name: str) -> Generator[Progress, None, bool]:
         store = pieces_of(farm, task, place)
         files, result = {}, {}
         try:
-            made = yield from _baked(scene, farm, task, bake, store, place)
+            made = yield from _baked(scene, farm, task, bake, store, place, rendered)
         except ShareDoneError:
             pass
         else:
@@ -145,12 +148,50 @@ def _is_unforeseen(piece: str, promised: set[str]) -> bool:
     return piece.endswith("-through") and Part.EXITS not in promised
 
 
+def _rendered(farm: TaskFarm, task: Task) -> RenderedPart | None:
+    """The frames that the task takes in place of renders. Raises InputError if they cannot be used."""
+    frames = farm.frames_of(task)
+    if frames is None:
+        return None
+    rendered = RenderedPart(farm.folder, farm.job, farm.blender, frames, task.share)
+    rendered.check()
+    return rendered
+
+
+def show_parts_of(
+    farm: TaskFarm, bake: FarmBake, save: Callable[[Part, bpy.types.Scene, CapturePlan], None]
+) -> Generator[Progress, None, None]:
+    """Call `save` with scenes for frames, as `show_parts`, of a layered bake whose maps are made.
+
+    Yields progress; **the farm's scene is open afterwards**.
+    """
+    scene = open_scene(farm)
+    task = next(task for task in farm.tasks if (task.bake, task.part) == (bake.key, Part.LIGHT))
+
+    def make(job: BakeJob) -> Generator[Progress, None, Outcome]:
+        job = replace(job, arrays=job.folder)
+        with arrays_kept(job):
+            yield from show_parts(job.scratch, job.prepared, job.spec, job.folder, store, save)
+        raise ShareDoneError
+
+    with _results(farm, task) as place:
+        store = pieces_of(farm, task, place)
+        with suppress(ShareDoneError):
+            yield from _bake_by(make, scene, farm, bake, store, place, warns=False)
+
+
 def _baked(
-    scene: bpy.types.Scene, farm: TaskFarm, task: Task, bake: FarmBake, store: SharedPieces, place: Path
+    scene: bpy.types.Scene,
+    farm: TaskFarm,
+    task: Task,
+    bake: FarmBake,
+    store: SharedPieces,
+    place: Path,
+    rendered: RenderedPart | None,
 ) -> Generator[Progress, None, Baked]:
     """Make the task's pieces, and raise ShareDoneError, or if it is the last one the bake's files."""
-    files = OutputFiles.of(bake.name, bake.spec, place)
     form: Form = form_for(bake.spec)
+    sheets = None if rendered is None else rendered.sheet
     clear = any(each.bake == task.bake and each.part == Part.EXITS for each in farm.tasks)
 
     def make(job: BakeJob) -> Generator[Progress, None, Outcome]:
@@ -159,16 +200,30 @@ def _baked(
             return (yield from form.bake(job))
         with arrays_kept(job):
             yield from capture_part(
-                job.scratch, job.prepared, job.spec, job.folder, store, Part(task.part), clear
+                job.scratch, job.prepared, job.spec, job.folder, store, Part(task.part), clear, sheets
             )
         raise ShareDoneError
 
+    warns = task.part in (Part.MAPS, WHOLE)
+    return (yield from _bake_by(make, scene, farm, bake, store, place, warns))
+
+
+def _bake_by(
+    make: Baker,
+    scene: bpy.types.Scene,
+    farm: TaskFarm,
+    bake: FarmBake,
+    store: SharedPieces,
+    place: Path,
+    warns: bool,
+) -> Generator[Progress, None, Baked]:
+    """Prepare the bake's objects in the farm's `scene`, and call `make`."""
+    files = OutputFiles.of(bake.name, bake.spec, place)
     with at_frame(scene, bake.spec.frame), new_data_removed():
         return (
             yield from bake_unchecked(
                 scene, bake.name, bake.spec, files, None, Stopwatch(), store,
-                baker=make, warns=task.part in (Part.MAPS, WHOLE), blend=Path(farm.blend),
-                fingerprint=bake.fingerprint,
+                baker=make, warns=warns, blend=Path(farm.blend), fingerprint=bake.fingerprint,
             )
         )  # fmt: skip
 

@@ -146,13 +146,16 @@ class PackedFiles:
     carried: tuple[Carried, ...]
 
 
-def pack_files(folder: Path) -> PackedFiles:
-    """Pack what a .blend can hold, and copy volumes beside it; the open file is in `folder`.
+def pack_files(folder: Path, shared: Path | None = None) -> PackedFiles:
+    """Pack what a .blend can hold, and copy volumes beside it; the open file is going to be in `folder`.
+
+    Volumes that were copied already, beside another .blend in the folder `shared`, stay there.
 
     Raises InputError, with the name, for data that needs a file which can be neither packed nor copied, for
     files that are not of the type that the scene expects (in a .blend from elsewhere a lamp's IES file may be
     /etc/shadow), and for files that are too large.
     """
+    _keep_needed_objects()
     cast(Any, bpy.data).orphans_purge(do_local_ids=True, do_linked_ids=True, do_recursive=True)
     luggage = Luggage()
     _pack_images(luggage)
@@ -162,10 +165,25 @@ def pack_files(folder: Path) -> PackedFiles:
             font.pack()
     _keep_light_shapes(luggage)
     beside = tuple(
-        _copy_volume(volume, folder, luggage) for volume in bpy.data.volumes if not _is_held(volume)
+        _copy_volume(volume, folder, luggage, shared) for volume in bpy.data.volumes if not _is_held(volume)
     )
     _refuse_other_files()
     return PackedFiles(beside, tuple(luggage.carried))
+
+
+def _keep_needed_objects() -> None:
+    """Give objects in no collection a user where others need them: parents and targets do not count as used.
+
+    Without it they were taken for unused data, and what they move or shape would look otherwise.
+    """
+    users = bpy.data.user_map()
+    kept: set[Any] = {item for item in bpy.data.objects if item.users_collection}
+    left = set(bpy.data.objects) - kept
+    while found := {item for item in left if users[item] & kept}:
+        for item in found:
+            item.use_fake_user = True
+        kept |= found
+        left -= found
 
 
 def _look_at(luggage: Luggage, what: str, block: Any, kind: FileKind, filepath: str | None = None) -> None:
@@ -221,8 +239,12 @@ def _is_held(volume: Any) -> bool:
     return getattr(volume, "packed_file", None) is not None
 
 
-def _copy_volume(volume: Any, folder: Path, luggage: Luggage) -> str:
+def _copy_volume(volume: Any, folder: Path, luggage: Luggage, shared: Path | None) -> str:
     source = Path(bpy.path.abspath(volume.filepath, library=volume.library))
+    if shared is not None and source.parent.resolve() == (shared / FILES).resolve():
+        name = Path(os.path.relpath(source, folder)).as_posix()
+        volume.filepath = f"//{name}"
+        return name
     name = f"{FILES}/{volume.session_uid}-{source.name}"
     target = folder / name
     target.parent.mkdir(exist_ok=True)

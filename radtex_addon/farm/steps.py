@@ -34,6 +34,11 @@ class Step:
         return max(task.seconds for task in self.tasks)
 
     @property
+    def is_rendered(self) -> bool:
+        """Whether its tasks are frames, which Blender renders."""
+        return self.tasks[0].is_frame
+
+    @property
     def is_last(self) -> bool:
         """Whether it makes the files of bakes."""
         return any(task.is_last for task in self.tasks)

@@ -20,7 +20,8 @@ from ..settings.spec import BakeSpec
 from .tasks import WHOLE, FarmBake, Task
 
 SECONDS = 60.0  # of a task that is a share of a part
-_BEGIN = 5.0  # seconds of a task before its first render: starting, opening the scene, reading the mesh
+BEGIN = 5.0  # seconds of a task before its first render: starting, opening the scene, reading the mesh
+_READ = 1e-6  # seconds of a path that is read from a frame
 _UNNAMED = re.compile(r"[^A-Za-z0-9_]+")
 _NAME = 60  # most letters of a bake's key
 
@@ -56,12 +57,17 @@ def _numbered(name: str) -> Iterator[str]:
     yield from (f"{name}_{number}" for number in count(2))
 
 
-def tasks_of(bakes: Sequence[FarmBake], subjects: Sequence[Subject], memory: int) -> list[Task]:
-    """All tasks, each behind those that it needs; each takes `memory` bytes for the scene, and its own."""
+def tasks_of(
+    bakes: Sequence[FarmBake], subjects: Sequence[Subject], memory: int, frames: bool = False
+) -> list[Task]:
+    """All tasks, each behind those that it needs; each takes `memory` bytes for the scene, and its own.
+
+    With `frames` light and ends of layered bakes are rendered elsewhere: see `part_frames`.
+    """
     found: list[Task] = []
     for bake, subject in zip(bakes, subjects, strict=True):
         if bake.spec.form.by_paths:
-            found += _layered(bake, subject, memory)
+            found += _layered(bake, subject, memory, frames)
         else:
             found.append(_whole(bake, subject, memory))
     return found
@@ -77,7 +83,7 @@ def _whole(bake: FarmBake, subject: Subject, memory: int) -> Task:
     return Task(bake.last, bake.key, WHOLE, (), round(seconds, 1), memory + bake.spec.atlas_bytes)
 
 
-def _layered(bake: FarmBake, subject: Subject, memory: int) -> Iterator[Task]:
+def _layered(bake: FarmBake, subject: Subject, memory: int, frames: bool) -> Iterator[Task]:
     """The tasks of a bake in the layered layout."""
     work = _work(bake, subject)
     stages, rays = typical_seconds(work), LayeredRays.of(bake.spec.samples)
@@ -85,7 +91,7 @@ def _layered(bake: FarmBake, subject: Subject, memory: int) -> Iterator[Task]:
     capture, around = times.capture, times.around_clear if subject.is_clear else times.around
     before = sum(stages[str(stage)] for stage in (Stage.EVALUATE, Stage.RASTER, Stage.PROBE))
     before += stages.get(str(Stage.UNWRAP), 0.0)
-    begin = _BEGIN + stages[str(Stage.EVALUATE)] + stages[str(Stage.RASTER)]
+    begin = BEGIN + stages[str(Stage.EVALUATE)] + stages[str(Stage.RASTER)]
     last = stages[str(Stage.FIT)] + stages[str(Stage.WRITE)]
     samples = memory + bake.spec.atlas_bytes // 2
 
@@ -105,8 +111,9 @@ def _layered(bake: FarmBake, subject: Subject, memory: int) -> Iterator[Task]:
 
     maps = task(Part.MAPS, (), before + capture["maps"])
     ready = (maps.name,)
-    ends = shared(Part.ENDS, ready, capture["ends"], rays.ends**2)
-    light = shared(Part.LIGHT, ready, capture["light"], rays.light**2)
+    read = work.covered * _READ if frames else 0.0
+    ends = shared(Part.ENDS, ready, 2 * read * rays.ends**2 or capture["ends"], rays.ends**2)
+    light = shared(Part.LIGHT, ready, read * rays.light**2 or capture["light"], rays.light**2)
     of_light, of_ends = _names(light), _names(ends)
     more = shared(Part.MORE_LIGHT, of_light, capture["more light"], rays.light**2)
     own = task(Part.OWN, ready, capture["own"])

@@ -9,7 +9,7 @@ import re
 import shutil
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
 from heapq import heapify, heappop, heappush
 from pathlib import Path
@@ -28,6 +28,7 @@ from ..store import checkpoint_files
 from ..store.shared_pieces import appearing, appears
 from ..version import VERSION
 from .farm_files import tasks_file
+from .part_frames import PartFrames
 from .self_contained import Carried
 
 _VERSION = 1
@@ -57,6 +58,11 @@ class Task:
     def is_last(self) -> bool:
         """Whether it makes the bake's files."""
         return self.part == WHOLE
+
+    @property
+    def is_frame(self) -> bool:
+        """Whether it is none of a farm's own tasks, but a frame, called like its picture."""
+        return "/" in self.name
 
 
 @dataclass(frozen=True)
@@ -99,7 +105,7 @@ class TaskFarm:
 
     `scene` is the name of the scene in its .blend, a copy of the file `blend`; `preview` is the filter of the
     previews that are wanted. It was prepared by the RadTex `radtex` in Blender `blender`. `carried` lists the
-    files of the preparing machine in the folder.
+    files of the preparing machine in the folder. `frames` are those that machines without RadTex render.
     """
 
     folder: Path
@@ -112,6 +118,7 @@ class TaskFarm:
     bakes: tuple[FarmBake, ...]
     tasks: tuple[Task, ...]
     carried: tuple[Carried, ...] = ()
+    frames: tuple[PartFrames, ...] = ()
 
     @property
     def scene_file(self) -> Path:
@@ -153,6 +160,34 @@ class TaskFarm:
 
     def bake_of(self, task: Task) -> FarmBake:
         return next(bake for bake in self.bakes if bake.key == task.bake)
+
+    def frames_of(self, task: Task) -> PartFrames | None:
+        """The frames of a task's part; None if it is rendered where the task is done.
+
+        That is so, too, where somebody has removed the .blend of the frames.
+        """
+        found = (one for one in self.frames if (one.bake, one.part) == (task.bake, task.part))
+        return next((one for one in found if one.blend(self.folder).is_file()), None)
+
+    def with_frames(self) -> tuple[Task, ...]:
+        """The tasks, and before them one for each frame, called like its picture, which some tasks need."""
+        rendered = []
+        for frames in self.frames:
+            own = [task for task in self.tasks if (task.bake, task.part) == (frames.bake, frames.part)]
+            memory = max((task.memory for task in own), default=0)
+            rendered += [
+                Task(frames.path(one), frames.bake, f"{frames.part}-frames", (), frames.seconds, memory)
+                for one in range(1, frames.count + 1)
+            ]
+        return (
+            *rendered,
+            *(replace(task, needs=(*task.needs, *self._pictures(task))) for task in self.tasks),
+        )
+
+    def _pictures(self, task: Task) -> list[str]:
+        """The pictures of frames that a task needs."""
+        found = (one for one in self.frames if (one.bake, one.part) == (task.bake, task.part))
+        return [frames.path(one) for frames in found for one in frames.of_share(task.share)]
 
     def is_done(self, task: str) -> bool:
         """Whether a task is marked as done."""
@@ -280,12 +315,14 @@ class TaskFarm:
                         "part": task.part,
                         "share": list(task.share),
                         "needs": list(task.needs),
+                        "pictures": self._pictures(task),
                         "command": ["python", "bake.py", "work", ".", task.name],
                         "seconds": task.seconds,
                         "memory": task.memory,
                     }
                     for task in self.tasks
                 ],
+                "frames": [each.to_facts() for each in self.frames],
                 "carried": [asdict(each) for each in self.carried],
             }
         )
@@ -323,6 +360,7 @@ def read_tasks(folder: Path) -> TaskFarm:
         preview=None if preview is None else Filter(facts.choice("preview", tuple(Filter))),
         bakes=bakes,
         tasks=tasks,
+        frames=tuple(_frames(facts, [bake.key for bake in bakes])),
     )
 
 
@@ -349,6 +387,11 @@ def _tasks(facts: Facts, bakes: Collection[str]) -> Iterator[Task]:
             raise FormatError(f"{facts.source} lists a task '{task.name}' that cannot be: prepare it anew")
         known.add(task.name)
         yield task
+
+
+def _frames(facts: Facts, bakes: Sequence[str]) -> Iterator[PartFrames]:
+    for one in _rows(facts, "frames") if "frames" in facts.values else ():  # farms had none once
+        yield PartFrames.from_facts(one, bakes)
 
 
 def _rows(facts: Facts, key: str) -> Iterator[Facts]:

@@ -10,10 +10,10 @@ from math import ceil
 from pathlib import Path
 
 from ..core.quoting import in_comment, yaml_string
-from .farm_files import FarmFiles
+from .farm_files import RUNNER, FarmFiles
 from .farm_manifest import FarmManifest
 from .steps import Step, steps_of
-from .tasks import TaskFarm
+from .tasks import Task, TaskFarm
 
 _FOLDER = Path(__file__).parent / "templates"
 OPENJD, FLAMENCO = "openjd.yaml", "radtex_farm.js"
@@ -31,18 +31,26 @@ def write_templates(files: FarmFiles, manifest: FarmManifest) -> None:
         _write(files.folder / source, source, NAME=name, FRAMES=frames)
 
 
+def write_runner(target: Path) -> None:
+    """Write the script that renders frames with the bpy module."""
+    _write(target, RUNNER)
+
+
 def write_task_templates(farm: TaskFarm) -> None:
     """Write what does a farm's tasks, each after those that it needs, into its folder."""
-    steps = steps_of(farm.tasks)
+    tasks = farm.with_frames()
+    steps = steps_of(tasks)
     title = farm.bakes[0].name if len(farm.bakes) == 1 else Path(farm.blend).stem or farm.scene
     name = yaml_string(f"RadTex {in_comment(title)[:_NAME_MOST]}")
     last = " ".join(f"done/{task.name}.json" for task in farm.tasks if task.is_last)
     ends = _openjd_needs([step.name for step in steps if step.is_last])
     folder = farm.folder
-    _write(folder / OPENJD, TASKS_OPENJD, NAME=name, STEPS="".join(map(_openjd_step, steps)), ENDS=ends)
+    renders = _OPENJD_BLENDER if farm.frames else ""
+    rows = "".join(map(_openjd_step, steps))
+    _write(folder / OPENJD, TASKS_OPENJD, NAME=name, BLENDER=renders, STEPS=rows, ENDS=ends)
     _write(folder / TASKS_FLAMENCO, TASKS_FLAMENCO)
     _write(folder / SLURM, SLURM, STEPS=_slurm_steps(steps), LAST=_slurm_last(steps))
-    _write(folder / MAKEFILE, MAKEFILE, LAST=last, RULES=_make_rules(farm))
+    _write(folder / MAKEFILE, MAKEFILE, LAST=last, RULES=_make_rules(tasks))
 
 
 def _write(target: Path, source: str, **values: str) -> None:
@@ -68,11 +76,39 @@ def _openjd_step(step: Step) -> str:
         "          range:\n"
         f"{tasks}"
         "    script:\n"
-        "      actions:\n"
-        "        onRun:\n"
-        "          command: bash\n"
-        """          args: ["-c", '$0 "$@"', "{{Param.Work}}", "{{Param.Folder}}", "{{Task.Param.Task}}"]\n"""
+        f"{_OPENJD_FRAME if step.is_rendered else _OPENJD_WORK}"
     )
+
+
+_OPENJD_WORK = """\
+      actions:
+        onRun:
+          command: bash
+          args: ["-c", '$0 "$@"', "{{Param.Work}}", "{{Param.Folder}}", "{{Task.Param.Task}}"]
+"""
+_OPENJD_FRAME = """\
+      embeddedFiles:
+        - name: Run
+          type: TEXT
+          filename: frame.sh
+          data: |
+            set -euo pipefail
+            picture="$1/$2" blender="$3" number="$(basename "$2" .exr)"
+            # Blender ends well where a frame was not rendered: so there is none before, and one afterwards.
+            rm -f "$picture"
+            $blender -b "$(dirname "$picture").blend" -f "$((10#$number))"
+            [ -s "$picture" ] || { echo "not rendered: $picture" >&2; exit 1; }
+      actions:
+        onRun:
+          command: bash
+          args: ["{{Task.File.Run}}", "{{Param.Folder}}", "{{Task.Param.Task}}", "{{Param.Blender}}"]
+"""
+_OPENJD_BLENDER = """\
+  - name: Blender
+    type: STRING
+    default: blender
+    description: The command that renders frames, on machines without RadTex, with arguments that come first.
+"""
 
 
 def _openjd_needs(needs: Sequence[str]) -> str:
@@ -107,10 +143,18 @@ def _mebibytes(size: float) -> int:
     return ceil(size / (1 << 20))
 
 
-def _make_rules(farm: TaskFarm) -> str:
+def _make_rules(tasks: Sequence[Task]) -> str:
+    made = {task.name: task.name if task.is_frame else f"done/{task.name}.json" for task in tasks}
     rules = (
-        f"done/{task.name}.json: |{''.join(f' done/{need}.json' for need in task.needs)}\n"
-        f"\t$(WORK) . {task.name}\n"
-        for task in farm.tasks
+        f"{made[task.name]}: |{''.join(f' {made[need]}' for need in task.needs)}\n\t{_make_recipe(task)}\n"
+        for task in tasks
     )
     return "\n".join(rules)
+
+
+def _make_recipe(task: Task) -> str:
+    if not task.is_frame:
+        return f"$(WORK) . {task.name}"
+    picture = Path(task.name)
+    blend = f"{picture.parent.as_posix()}.blend"
+    return f"$(BLENDER) -b {blend} -f {int(picture.stem)} && test -s $@ || {{ rm -f $@; false; }}"

@@ -1,11 +1,12 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A small scene that moves in every way, and farms of it, rendered by nodes that know nothing of RadTex."""
+"""Small scenes, one of which moves in every way, and farms of them; nodes that know nothing of RadTex."""
 
 from __future__ import annotations
 
 import subprocess
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, cast
 
@@ -16,11 +17,15 @@ from radtex_addon.bake.progress import finished
 from radtex_addon.core.sampler import Filter
 from radtex_addon.farm.assemble_farm import Assembled, assemble_steps
 from radtex_addon.farm.prepare_farm import Farm, prepare_steps
-from radtex_addon.settings.spec import BakeSpec
+from radtex_addon.farm.run_task import task_steps
+from radtex_addon.farm.tasks import TaskFarm
+from radtex_addon.settings.spec import BakeSpec, Layout
 from tests.blender import stage
 
 BOX = "Box"
 FRAME = 7  # the scene's
+LAYERED = BakeSpec(layout=Layout.LAYERED, texels=12, samples=1, seed=3)
+BALL, PLATE = "Ball", "Plate"
 
 
 def build_moving_scene(folder: Path) -> bpy.types.Scene:
@@ -75,6 +80,38 @@ def _wall(folder: Path) -> None:
     shown.image_user.frame_duration, shown.image_user.use_auto_refresh = 9, True
     diffuse = next(node for node in wall.node_tree.nodes if node.type == "BSDF_DIFFUSE")
     wall.node_tree.links.new(shown.outputs["Color"], diffuse.inputs["Color"])
+
+
+def build(folder: Path) -> bpy.types.Scene:
+    """A glass ball above a plate with a picture, under lamps."""
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    stage.world((0.3, 0.4, 0.5))
+    stage.lamps()
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=12, ring_count=8, radius=0.5, location=(0, 0, 0.8))
+    bpy.context.object.name = BALL
+    glass = stage.material("glass", "ShaderNodeBsdfGlass", Roughness=0.0)
+    bpy.context.object.data.materials.append(glass)
+    bpy.ops.mesh.primitive_cube_add(size=1)
+    plate = bpy.context.object
+    plate.name, plate.scale = PLATE, (1.5, 1.5, 0.1)
+    picture: Any = bpy.data.images.new("picture", 4, 4)
+    picture.pixels = [0.8, 0.5, 0.2, 1, 0.1, 0.4, 0.9, 1] * 8
+    picture.filepath_raw, picture.file_format = str(folder / "picture.png"), "PNG"
+    picture.save()
+    shown = stage.material("painted", "ShaderNodeBsdfDiffuse")
+    node = shown.node_tree.nodes.new("ShaderNodeTexImage")
+    node.image = picture
+    diffuse = next(each for each in shown.node_tree.nodes if each.type == "BSDF_DIFFUSE")
+    shown.node_tree.links.new(node.outputs["Color"], diffuse.inputs["Color"])
+    plate.data.materials.append(shown)
+    bpy.ops.wm.save_as_mainfile(filepath=str(folder / "things.blend"))
+    return cast(bpy.types.Scene, bpy.context.scene)
+
+
+def do(farm: TaskFarm, names: Sequence[str]) -> None:
+    """Do tasks by name."""
+    for name in names:
+        finished(task_steps(farm, name))
 
 
 def prepared(scene: bpy.types.Scene, spec: BakeSpec, out: Path, preview: bool = False) -> Farm:

@@ -138,3 +138,16 @@ def test_what_travels_is_told(tmp_path: Path) -> None:
     assert (farm / name).read_bytes() == b" BDV\0\0\0\0grids"
     assert bpy.data.texts[0].as_string().startswith("IESNA")
     assert str(packed.carried[1]) == f"volume 'Cloud': {tmp_path}/cloud.vdb (beside the .blend, 13 bytes)"
+
+
+def test_a_volume_that_was_copied_already_is_not_copied_again(tmp_path: Path) -> None:
+    (tmp_path / "cloud.vdb").write_bytes(b" BDV\0\0\0\0grids")
+    _volume(tmp_path / "cloud.vdb")
+    farm, frames = tmp_path / "farm", tmp_path / "farm" / "frames"
+    frames.mkdir(parents=True)
+    (name,) = pack_files(farm).beside
+    volume = bpy.data.volumes["Cloud"]
+    volume.filepath = str(farm / name)  # as in a draft
+    assert pack_files(frames, shared=farm).carried == ()
+    assert volume.filepath == f"//../{name}"
+    assert list(frames.iterdir()) == []

@@ -126,7 +126,7 @@ def test_what_cannot_be_held_is_named(
         ),
         (
             {"layout": "layered", "bucket": 14},
-            "not layered, whose captures build on one another: that takes machines with RadTex",
+            "not layered, whose captures build on one another: prepare tasks, with frames for most",
         ),
         ({"kind": "incident", "capture": "panoramic"}, "leave the capture method out"),
         ({"accumulate": True}, "leave the accumulating and the refreshing out"),

@@ -9,11 +9,11 @@ import random
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import bpy
 import pytest
@@ -31,47 +31,13 @@ from radtex_addon.farm.task_graph import Subject, keyed, tasks_of
 from radtex_addon.farm.tasks import Done, TaskFarm, read_tasks
 from radtex_addon.job import bake_object
 from radtex_addon.settings.spec import BakeSpec, Kind, Layout
-from tests.blender import stage
 from tests.blender.batch_process import Batch, refusal
+from tests.blender.farming import BALL, LAYERED, PLATE, build, do
 from tests.blender.killed import digests
 from tests.real.root import REPOSITORY
 
-LAYERED = BakeSpec(layout=Layout.LAYERED, texels=12, samples=1, seed=3)
 SHADOW = BakeSpec(kind=Kind.SHADOW, texels=16, bucket=4, samples=1)
-BALL, PLATE = "Ball", "Plate"
 BAKES = ((BALL, LAYERED), (PLATE, LAYERED), (PLATE, SHADOW))
-
-
-def build(folder: Path) -> bpy.types.Scene:
-    """A glass ball above a plate with a picture, under lamps."""
-    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-    stage.world((0.3, 0.4, 0.5))
-    stage.lamps()
-    bpy.ops.mesh.primitive_uv_sphere_add(segments=12, ring_count=8, radius=0.5, location=(0, 0, 0.8))
-    bpy.context.object.name = BALL
-    glass = stage.material("glass", "ShaderNodeBsdfGlass", Roughness=0.0)
-    bpy.context.object.data.materials.append(glass)
-    bpy.ops.mesh.primitive_cube_add(size=1)
-    plate = bpy.context.object
-    plate.name, plate.scale = PLATE, (1.5, 1.5, 0.1)
-    picture: Any = bpy.data.images.new("picture", 4, 4)
-    picture.pixels = [0.8, 0.5, 0.2, 1, 0.1, 0.4, 0.9, 1] * 8
-    picture.filepath_raw, picture.file_format = str(folder / "picture.png"), "PNG"
-    picture.save()
-    shown = stage.material("painted", "ShaderNodeBsdfDiffuse")
-    node = shown.node_tree.nodes.new("ShaderNodeTexImage")
-    node.image = picture
-    diffuse = next(each for each in shown.node_tree.nodes if each.type == "BSDF_DIFFUSE")
-    shown.node_tree.links.new(node.outputs["Color"], diffuse.inputs["Color"])
-    plate.data.materials.append(shown)
-    bpy.ops.wm.save_as_mainfile(filepath=str(folder / "things.blend"))
-    return cast(bpy.types.Scene, bpy.context.scene)
-
-
-def do(farm: TaskFarm, names: Sequence[str]) -> None:
-    """Do tasks by name."""
-    for name in names:
-        finished(task_steps(farm, name))
 
 
 def shuffled(farm: TaskFarm, seed: int) -> list[str]:

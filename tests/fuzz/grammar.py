@@ -14,7 +14,7 @@ from random import Random
 
 import radtex_addon.cli
 
-HARMLESS = ("demo", "--parent-pipe")  # what may not run to its end: it bakes, or waits for its parent to end
+HARMLESS = ("demo", "--parent-pipe", "--stock-frames")  # may not run to the end: bake, or wait for a parent
 _NUMBERS = (
     *("0", "1", "2", "-1", "8", "16", "64", "128", "256", "16384", "32768", "99999999999999999999"),
     *("1e3", "1.5", "-0", "+4", " 7 ", "1_000", "٣", "½", "0x10", "08"),

@@ -14,6 +14,7 @@ from typing import Any
 
 from radtex_addon.core.errors import InputError
 from radtex_addon.farm.farm_manifest import check_farmable
+from radtex_addon.farm.part_frames import PARTS, has_frames
 from radtex_addon.farm.prepare_tasks import check_farmed
 from radtex_addon.settings.spec import BakeSpec, Kind, Layer, Layout
 from radtex_addon.settings.targets import check_target
@@ -78,19 +79,25 @@ def page() -> str:
     return "\n".join([_INTRODUCTION, *tables, "## Reasons\n", listed, ""])
 
 
-Check = Callable[[dict[str, Any]], None]
+Check = Callable[[dict[str, Any]], str | None]  # the cell's words, if not yes
 
 
 def _baked(changes: dict[str, Any]) -> Check:
-    return lambda row: _made(row | changes)
+    def check(row: dict[str, Any]) -> None:
+        _made(row | changes)
+
+    return check
 
 
 def _farmed(row: dict[str, Any]) -> None:
     check_farmed([("", _made(row))])
 
 
-def _framed(row: dict[str, Any]) -> None:
+def _framed(row: dict[str, Any]) -> str | None:
+    if has_frames(_made(row)):
+        return f"{' and '.join(PARTS)}: most of its paths"
     check_farmable(_made(row))
+    return None
 
 
 def _exported(target: Target) -> Check:
@@ -121,11 +128,10 @@ def _possible() -> Iterator[tuple[str, dict[str, Any]]]:
 
 def _cell(check: Check, row: dict[str, Any], reasons: dict[str, int]) -> str:
     try:
-        check(row)
+        return check(row) or "yes"
     except InputError as error:
         reason = re.sub(rf"\b(kind |a )?{row['kind']}\b", "this kind", str(error), count=1)
         return str(reasons.setdefault(reason, len(reasons) + 1))
-    return "yes"
 
 
 if __name__ == "__main__":

@@ -68,8 +68,8 @@ class PreparedFarm:
     local: dict[str, str]
 
     @classmethod
-    def made(cls, folder: Path) -> PreparedFarm:
-        """A plane under lamps and a cube, prepared and baked as a user would."""
+    def made(cls, folder: Path, *options: str) -> PreparedFarm:
+        """A plane under lamps and a cube, prepared with options, and baked, as a user would."""
         bpy.ops.wm.read_factory_settings(use_empty=True)
         stage.world((0.2, 0.3, 0.4))
         stage.lamps()
@@ -79,7 +79,7 @@ class PreparedFarm:
         scene.objects["Plane"].name = BOX
         blend = folder / "box.blend"
         bpy.ops.wm.save_as_mainfile(filepath=str(blend))
-        _bake_py("prepare", str(blend), *_OPTIONS, "--out", str(folder / "far"))
+        _bake_py("prepare", str(blend), *_OPTIONS, *options, "--out", str(folder / "far"))
         _bake_py(str(blend), *_OPTIONS, "--out", str(folder / "local"))
         (far,) = (folder / "far").iterdir()
         return cls(far, digests(folder / "local"))

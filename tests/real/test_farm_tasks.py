@@ -68,6 +68,89 @@ def test_openjd_runs_the_whole_job(prepared: PreparedFarm, farm: Path, tmp_path:
     prepared.check_done(farm)
 
 
+@pytest.fixture(scope="module")
+def prepared_with_frames(tmp_path_factory: pytest.TempPathFactory) -> PreparedFarm:
+    return PreparedFarm.made(tmp_path_factory.mktemp("framed"), "--stock-frames")
+
+
+@pytest.fixture
+def framed(prepared_with_frames: PreparedFarm, tmp_path: Path) -> Path:
+    """A copy of a farm with frames, none of which is rendered."""
+    return prepared_with_frames.copied(tmp_path)
+
+
+def _stock_blender(farm: Path, folder: Path) -> Path:
+    """A program that renders as Blender does, and knows nothing of RadTex; it notes what it was asked for."""
+    runner = f"{sys.executable} -I {farm / 'frames/render_frames.py'}"
+    return _program(folder / "stock", f'echo "$*" >> \'{folder}/asked\'\nexec {runner} "$@" > /dev/null')
+
+
+def _check_frames(farm: Path, folder: Path) -> None:
+    """Each frame was asked for once, and the tasks took it."""
+    tasks = read_tasks(farm)
+    asked = [line.split() for line in (folder / "asked").read_text().splitlines()]
+    wanted = [(each.name, number) for each in tasks.frames for number in range(1, each.count + 1)]
+    assert sorted((Path(words[1]).stem, int(words[3])) for words in asked) == sorted(wanted)
+    assert {Path(words[1]).suffix for words in asked} == {".blend"}
+
+
+def test_openjd_lets_stock_blenders_render_frames(
+    prepared_with_frames: PreparedFarm, framed: Path, tmp_path: Path
+) -> None:
+    stock = _stock_blender(framed, tmp_path)
+    run = _openjd("run", framed, "-p", f"Work={bake_command('work')}", "-p", f"Blender={stock}")
+    assert run.returncode == 0, run.stdout
+    _check_frames(framed, tmp_path)
+    prepared_with_frames.check_done(framed)
+
+
+def test_make_and_slurm_let_stock_blenders_render_frames(
+    prepared_with_frames: PreparedFarm, framed: Path, tmp_path: Path
+) -> None:
+    """Make does all but what slurm.sh then finds left: a task, and a frame."""
+    stock = _stock_blender(framed, tmp_path)
+    command = ["make", "-C", str(framed), f"WORK={bake_command('work')}", f"BLENDER={stock}"]
+    run = subprocess.run(command, capture_output=True, text=True, check=False, timeout=240)
+    assert run.returncode == 0, run.stdout + run.stderr
+    _check_frames(framed, tmp_path)
+    prepared_with_frames.check_done(framed)
+    picture, task = framed / f"frames/{BOX}.ends/0002.exr", f"{BOX}.ends"
+    before = {path.name: path.read_bytes() for path in (framed / "pieces" / BOX).glob("ends-*")}
+    for path in (picture, framed / f"done/{task}.json", *(framed / "pieces" / BOX / name for name in before)):
+        path.unlink()
+    _program(tmp_path / "bin/sbatch", f'exec {sys.executable} {REPOSITORY}/tests/real/inside/sbatch.py "$@"')
+    variables = os.environ | {
+        "PATH": f"{tmp_path / 'bin'}:{os.environ['PATH']}",
+        "SBATCH_JOBS": str(tmp_path / "jobs"),
+        "WORK": f"{bake_command('work')} --progress none",
+        "BLENDER": str(stock),
+    }
+    assert _submit(framed, variables) == [f"{BOX}.ends-frames", f"{BOX}.ends"]
+    jobs = _jobs(tmp_path)
+    assert [(job["state"], job["array"]) for job in jobs] == [("COMPLETED", "1"), ("COMPLETED", "0")]
+    assert jobs[1]["needs"] == [1]
+    assert {path.name: path.read_bytes() for path in (framed / "pieces" / BOX).glob("ends-*")} == before
+
+
+def test_flamenco_renders_frames_before_the_tasks_that_need_them(
+    prepared_with_frames: PreparedFarm,
+) -> None:
+    bpy.ops.wm.open_mainfile(filepath=str(prepared_with_frames.folder / "scene.blend"), load_ui=False)
+    script = prepared_with_frames.folder / "radtex_tasks.js"
+    kinds = compiled_flamenco_job(script, {"folder": "/x", "tasks": "a"})["type"]["settings"]
+    names: dict[str, Any] = {"bpy": bpy, "C": bpy.context, "Path": Path, "jobname": "", "settings": None}
+    worked_out = {each["key"]: eval(each["eval"], {}, names) for each in kinds if "eval" in each}
+    made = {task["name"]: task for task in compiled_flamenco_job(script, worked_out)["tasks"]}
+    farm = read_tasks(prepared_with_frames.folder)
+    assert set(made) == {task.name for task in farm.with_frames()}
+    for task in farm.with_frames():
+        assert sorted(made[task.name]["dependencies"]) == sorted(task.needs)
+    frame = made[f"frames/{BOX}.ends/0002.exr"]
+    (command,) = frame["commands"]
+    assert (command["name"], command["parameters"]["args"]) == ("blender-render", ["--render-frame", "2"])
+    assert command["parameters"]["blendfile"] == f"{farm.folder}/frames/{BOX}.ends.blend"
+
+
 @pytest.mark.parametrize("workers", [2, 4])
 def test_openjd_workers_do_what_one_does(
     prepared: PreparedFarm, farm: Path, tmp_path: Path, workers: int

@@ -3,7 +3,8 @@
 //
 // Flamenco 3.3 or newer: put this file into the Manager's folder scripts/, open a farm's scene.blend in Blender where
 // it lies in the shared storage, and submit it with the job type "RadTex tasks". Each task is one of tasks.json,
-// beside the .blend, and waits for those that it needs.
+// beside the .blend, and waits for those that it needs. Frames for machines without RadTex are tasks, too, by
+// the names of their pictures: workers render these by their own Blender.
 
 const JOB_TYPE = {
     label: "RadTex tasks",
@@ -16,9 +17,9 @@ const JOB_TYPE = {
         { key: "folder", type: "string", required: true, visible: "web",
           eval: "str(Path(bpy.data.filepath).parent)",
           description: "The farm's folder, as workers see it" },
-        // A line for each task: its name, and the names of those that it needs.
+        // A line for each task: its name, and the names of those that it needs, and of their pictures.
         { key: "tasks", type: "string", required: true, visible: "hidden",
-          eval: "'\\n'.join(' '.join([task['id'], *task['needs']]) for task in __import__('json').loads("
+          eval: "'\\n'.join(' '.join([task['id'], *task['needs'], *task['pictures']]) for task in __import__('json').loads("
               + "Path(bpy.data.filepath).with_name('tasks.json').read_text(encoding='utf-8'))['tasks'])",
           description: "The farm's tasks" },
     ],
@@ -32,6 +33,10 @@ function compileJob(job) {
         const [name, ...needs] = line.split(" ");
         made[name] = command(name, "blender", work, [folder, name]);
         for (const need of needs) {
+            if (!made[need]) {
+                made[need] = frame(need, folder);
+                job.addTask(made[need]);
+            }
             made[name].addDependency(made[need]);
             needed[need] = true;
         }
@@ -45,6 +50,20 @@ function compileJob(job) {
         joined.addDependency(made[name]);
     }
     job.addTask(joined);
+}
+
+// A task that renders the frame of a picture, such as frames/Vase.light/0001.exr.
+function frame(picture, folder) {
+    const [, blend, number] = picture.match(/^(.*)\/0*(\d+)\.exr$/);
+    const task = author.Task(picture, "blender");
+    task.addCommand(author.Command("blender-render", {
+        exe: "{blender}",
+        exeArgs: "{blenderArgs}",
+        argsBefore: [],
+        blendfile: `${folder}/${blend}.blend`,
+        args: ["--render-frame", number],
+    }));
+    return task;
 }
 
 // A task that runs a command line, with more arguments behind it.

@@ -11,8 +11,9 @@
 # The options go to each sbatch, and replace the limits of memory and time that this file gives.
 #
 # WORK: what does a task, to which the folder and the task's name are added.
+# BLENDER: where there are frames for machines without RadTex what renders them, such as blender.
 # ASSEMBLE: what joins the bakes in the end, to which the folder is added; empty leaves that to you.
-# Neither can have spaces in its paths.
+# None can have spaces in its paths.
 set -euo pipefail
 
 if [ "${1:-}" = --step ]; then # Slurm runs a task
@@ -24,26 +25,45 @@ else
     options=("$@")
     jobs=()
     submitted=0
+    doing="${WORK:-python bake.py work}"
+    renders="${BLENDER:-blender}"
     mkdir -p "$folder/logs"
 fi
 
 # Submit the array of a step: its number and name, MiB, minutes, the numbers of the steps that it needs, its tasks.
 # Of a step that Slurm runs, do the task that is the array's element.
 step() {
-    local number="$1" name="$2" memory="$3" minutes="$4" needs="$5" left="" index=0 task
+    local number="$1" name="$2" memory="$3" minutes="$4" needs="$5" left="" index=0 task file does="${doing:-}"
     shift 5
     if [ -n "$wanted" ]; then
         [ "$number" = "$wanted" ] || return 0
         shift "$SLURM_ARRAY_TASK_ID"
         echo "task $1 on $HOSTNAME"
-        exec $command "$folder" "$1"
+        case "$1" in
+        frames/*) render "$1" ;;
+        *) exec $command "$folder" "$1" ;;
+        esac
     fi
     for task in "$@"; do
-        [ -e "$folder/done/$task.json" ] || left="$left,$index"
+        case "$task" in
+        frames/*) does="$renders" file="$task" ;;
+        *) file="done/$task.json" ;;
+        esac
+        [ -s "$folder/$file" ] || left="$left,$index"
         index=$((index + 1))
     done
     [ -n "$left" ] || return 0
-    submit "$number" "$name" "$memory" "$minutes" "$needs" "${WORK:-python bake.py work}" "--array=${left#,}"
+    submit "$number" "$name" "$memory" "$minutes" "$needs" "$does" "--array=${left#,}"
+}
+
+# Render the frame with that picture.
+render() {
+    local picture="$folder/$1" number="$(basename "$1" .exr)"
+    # Blender ends well where a frame was not rendered: so there is none before, and one afterwards.
+    rm -f "$picture"
+    $command -b "$(dirname "$picture").blend" -f "$((10#$number))"
+    [ -s "$picture" ] || { echo "not rendered: $picture" >&2; exit 1; }
+    exit
 }
 
 # Submit joining the bakes: MiB, and the numbers of the steps that it needs.

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Generator, Iterable, Iterator, Mapping
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -22,8 +22,8 @@ from ....bake.thumbnail import Thumbnail
 from ....core.arrays import Bools, Floats, Ints
 from ....core.large_arrays import stowed
 from ....core.texel_map import TexelMap
-from ....cycles.path_ends import Body, path_ends
-from ....cycles.sampling import capture_ends, capture_samples
+from ....cycles.path_ends import Body, PathEnds, path_ends
+from ....cycles.sampling import Sheets, capture_ends, capture_samples, ends_aim, light_aim, show_sheets
 from ....prepare.covered_texels import covered_texels
 from ....prepare.prepared import BakedCopy, Prepared
 from ....scene.checks.finite_light import black_bake
@@ -105,14 +105,32 @@ def capture_part(
     store: PieceStore,
     part: Part,
     clear: bool,
+    sheets: Sheets | None = None,
 ) -> Generator[Progress, None, None]:
     """Make the pieces of one part of what `capture_layered` captures, or this process's share of them.
 
-    The store has all that the part needs; of objects that may be `clear`, that is more. Yields progress.
-    Raises as `capture_layered`, and ShareDoneError where these are only a share.
+    The store has all that the part needs; of objects that may be `clear`, that is more. `sheets` of the part
+    that were rendered elsewhere take the place of renders. Yields progress. Raises as `capture_layered`, and
+    ShareDoneError where these are only a share.
     """
     with _captures(scratch, prepared, spec, folder, store) as captures:
-        yield from captures.only(part, clear)
+        yield from replace(captures, sheets=sheets).only(part, clear)
+
+
+def show_parts(
+    scratch: bpy.types.Scene,
+    prepared: Prepared,
+    spec: BakeSpec,
+    folder: Path,
+    store: PieceStore,
+    save: Callable[[Part, bpy.types.Scene, CapturePlan], None],
+) -> Generator[Progress, None, None]:
+    """Call `save` with scenes that render all sheets of LIGHT and of ENDS, each set up as for its capture.
+
+    The store has all MAPS. Yields progress. Raises as `capture_layered`.
+    """
+    with _captures(scratch, prepared, spec, folder, store) as captures:
+        yield from captures.show(save)
 
 
 @contextmanager
@@ -187,6 +205,7 @@ class _Captures:
     clear: Clear
     known: Around | None = None
     surroundings: float = 1.0
+    sheets: Sheets | None = None
 
     def all(self) -> Generator[Progress, None, Captured]:
         ready = yield from self._ready()
@@ -249,6 +268,21 @@ class _Captures:
                     self._with_misled(ready, self._own(ready), around, inside, through)
                 elif through:
                     self._exits(ready, inside)
+
+    def show(
+        self, save: Callable[[Part, bpy.types.Scene, CapturePlan], None]
+    ) -> Generator[Progress, None, None]:
+        """As `show_parts`."""
+        ready = yield from self._ready()
+        seed, plan = self.spec.seed, ready.lit
+        with scene_copied(self.scratch) as copy:
+            show_sheets(copy, plan, light_aim(plan, seed), seed, self.folder)
+            save(Part.LIGHT, copy, plan)
+        plan = self._plan(ready, ready.rays.ends)
+        with self._ends_scene(ready) as ends:
+            show_sheets(ends.scene, plan, ends_aim(plan, seed), seed, self.folder)
+            with ends.named_alike():
+                save(Part.ENDS, ends.scene, plan)
 
     def _ready(self) -> Steps[_Ready]:
         """What is known before the first path is traced."""
@@ -347,7 +381,9 @@ class _Captures:
         """The light, as `capture_samples`."""
         seed, folder, store, bar = self.spec.seed, self.folder, self.store, ready.bar
         with scene_copied(self.scratch) as copy:
-            steps = capture_samples(copy, ready.lit, ready.unseen, seed, folder, store, self.thumbnail)
+            steps = capture_samples(
+                copy, ready.lit, ready.unseen, seed, folder, store, self.thumbnail, self.sheets
+            )
             light = yield from relayed(steps, lambda step: bar.at("light", step.done / step.total))
         return self._lit(replace(light, through=without_zeros(light.through)))
 
@@ -367,11 +403,17 @@ class _Captures:
         """Paths through the objects, past them where they are part of a room; None for more samples."""
         if self.known is not None:
             return None
-        plan, (middle, _) = self._plan(ready, ready.rays.ends), ready.reach
+        plan = self._plan(ready, ready.rays.ends)
+        with self._ends_scene(ready) as ends:
+            return _lean(capture_ends(ends, plan, self.spec.seed, self.folder, self.store, self.sheets))
+
+    @contextmanager
+    def _ends_scene(self, ready: _Ready) -> Iterator[PathEnds]:
+        middle, _ = ready.reach
         with scene_copied(self.scratch) as copy, path_ends(copy, self.bodies, (), middle) as ends:
             for item in ends.copies if ready.passing else ():
                 item.visible_glossy = False
-            return _lean(capture_ends(ends, plan, self.spec.seed, self.folder, self.store))
+            yield ends
 
     def _plan(self, ready: _Ready, cells: int) -> CapturePlan:
         return plan_capture(ready.texels, cells, without=ready.without)
