@@ -7,7 +7,6 @@ from __future__ import annotations
 from functools import partial
 
 from ..core.errors import BakeError, InputError
-from ..core.messages import do
 from ..farm.assemble_farm import assemble_steps
 from ..farm.assemble_tasks import TasksLeftError, assemble_tasks_steps
 from ..farm.farm_files import FarmFiles, tasks_file
@@ -73,8 +72,8 @@ def _assemble_tasks(request: AssembleRequest, report: Report, interruption: Inte
         assembled = interruption.between(steps, partial(report.progress, farm.scene))
     except TasksLeftError as error:
         if error.finished and not request.done:
-            remedy = do(f"join the bakes that are done, {error.finished} (--done)")
-            raise BakeError(error.message.problem, remedy) from error
+            so_far = f"or join the bakes that are done, {error.finished}: --done"
+            raise BakeError(f"{error.message.problem}; {so_far}") from error
         raise
     for made in assembled:
         others = export_baked(made.result.files.sidecar, request.exports, request.overwrite, interruption)
