@@ -100,6 +100,15 @@ function expect(fine: boolean, key: string, value: unknown, expected: string): a
   if (!fine) throw new Refused(`${JSON.stringify(key).slice(0, 80)} is ${found}, expected ${expected}`);
 }
 
+/** Do `act`; what it refuses is in `place`. */
+function within<Result>(place: string, act: () => Result): Result {
+  try {
+    return act();
+  } catch (error) {
+    throw error instanceof Refused ? new Refused(`${error.message}, in ${place}`) : error;
+  }
+}
+
 function checkAll(facts: Facts): void {
   wholeAt(facts, "version", 1, 1);
   expect(isPlainStem(facts["name"]), "name", facts["name"], "what its files are called");
@@ -110,18 +119,18 @@ function checkAll(facts: Facts): void {
     expect([undefined, true, false].includes(facts[key] as boolean), key, facts[key], "true or false");
   }
   const textures = objectAt(facts, "textures");
-  checkBake(objectAt(facts, "bake"), textures, "shader" in facts);
+  within("“bake”", () => checkBake(objectAt(facts, "bake"), textures, "shader" in facts));
   const names = Object.keys(textures);
   expect(names.length >= 1 && names.length <= MOST_TEXTURES, "textures", names.length, `1 to ${MOST_TEXTURES}`);
   for (const name of names) {
     expect(/^[A-Za-z_]\w{0,39}$/.test(name), "textures", name, "names of layers");
-    checkTexture(objectAt(textures, name));
+    within(`the texture “${name}”`, () => checkTexture(objectAt(textures, name)));
   }
   if ("shader" in facts) {
-    const materials = checkShader(objectAt(facts, "shader"), textures);
+    const materials = within("“shader”", () => checkShader(objectAt(facts, "shader"), textures));
     if ("material" in facts) wholeAt(facts, "material", 0, materials - 1);
   }
-  if ("mirror" in facts) checkMirror(objectAt(facts, "mirror"));
+  if ("mirror" in facts) within("“mirror”", () => checkMirror(objectAt(facts, "mirror")));
 }
 
 function checkBake(bake: Facts, textures: Facts, hasShader: boolean): void {

@@ -12,7 +12,12 @@ export type Filter = "nearest" | "linear" | "quadrilinear" | "levels" | "layered
 export function filtersOf(manifest: Manifest): Filter[] {
   if (manifest.bake.layout === "layered") return ["layered"];
   const radiance = manifest.textures[manifest.bake.kind];
-  if (!radiance) throw new Problem(`The manifest names no texture “${manifest.bake.kind}”`, "Export the object again.");
+  if (!radiance) {
+    throw new Problem(
+      `The manifest of ${manifest.name} names no texture “${manifest.bake.kind}”, which its bake is of`,
+      "Export the object again.",
+    );
+  }
   if (KINDS[manifest.bake.kind].way === "L") return ["quadrilinear"];
   if (radiance.arrangement === "slices") return radiance.levels > 1 ? ["quadrilinear", "levels"] : ["quadrilinear"];
   return ["nearest", "linear", "quadrilinear", ...(radiance.levels > 1 ? (["levels"] as const) : [])];

@@ -7,6 +7,7 @@ import { unpack } from "./containers.js";
 import { checkSize, type Device, isTaken } from "./device.js";
 import { fetchBytes, fileUrl } from "./fetching.js";
 import type { Manifest, TextureEntry } from "./manifest.js";
+import type { Requests } from "./requests.js";
 import { BakeTexture } from "./textures.js";
 
 export interface TextureOptions {
@@ -16,6 +17,8 @@ export interface TextureOptions {
   address?: ((url: URL) => URL) | undefined;
   /** Textures that other bakes have asked for, by their addresses: what several share is loaded once. */
   shared?: Map<string, Promise<BakeTexture>> | undefined;
+  /** How files are asked for. */
+  requests?: Requests | undefined;
 }
 
 /** Fetch and unpack the textures of a manifest, which lies at `base`. Throws a Problem for the first that fails. */
@@ -23,14 +26,14 @@ export async function loadTextures(
   manifest: Manifest,
   base: URL,
   device: Device,
-  { progressed, address = (url) => url, shared = new Map() }: TextureOptions = {},
+  { progressed, address = (url) => url, shared = new Map(), requests }: TextureOptions = {},
 ): Promise<Map<string, BakeTexture>> {
   const entries = entriesOf(manifest);
   for (const [, entry] of entries) checkSize(device, entry);
   const loaded = new Map<string, BakeTexture>();
   const load = async ([name, entry]: [string, TextureEntry]): Promise<void> => {
     const url = address(fileUrl(entry.file, base));
-    const texture = shared.get(url.href) ?? loadTexture(url, entry, device);
+    const texture = shared.get(url.href) ?? loadTexture(url, entry, device, requests);
     shared.set(url.href, texture);
     loaded.set(name, await texture);
     progressed?.(loaded.size, entries.length);
@@ -44,8 +47,8 @@ export function entriesOf({ textures, mirror }: Manifest): [string, TextureEntry
   return Object.entries({ ...textures, ...(mirror ? { mirror } : {}) });
 }
 
-async function loadTexture(url: URL, entry: TextureEntry, device: Device): Promise<BakeTexture> {
-  const bytes = await fetchBytes(url, "low");
+async function loadTexture(url: URL, entry: TextureEntry, device: Device, requests?: Requests): Promise<BakeTexture> {
+  const bytes = await fetchBytes(url, "low", requests);
   const pixels = await unpack(bytes, entry);
   return new BakeTexture(entry, isTaken(device, pixels.format) ? pixels : withoutBlocks(pixels), bytes.byteLength);
 }

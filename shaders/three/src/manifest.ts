@@ -6,6 +6,7 @@ import { isPlainStem, problemOf } from "./checks.js";
 import { fetchBytes, fileName } from "./fetching.js";
 import { isKind, type Kind } from "./kinds.js";
 import { Problem } from "./problem.js";
+import type { Requests } from "./requests.js";
 
 export const VERSION = 1;
 
@@ -111,21 +112,22 @@ export interface SceneManifest {
 }
 
 /** Read the manifest of one bake. Throws a Problem where it is missing, damaged, of several, or of a newer version. */
-export async function readManifest(url: URL): Promise<Manifest> {
-  const manifest = await readAnyManifest(url);
+export async function readManifest(url: URL, requests?: Requests): Promise<Manifest> {
+  const manifest = await readAnyManifest(url, requests);
   if (!("scene" in manifest)) return manifest;
   throw new Problem(`${fileName(url)} is of ${manifest.scene.length} bakes`, "Load it by loadRadTexScene.");
 }
 
 /** Read the manifest of one bake, or of several. Throws a Problem as `readManifest` does. */
-export async function readAnyManifest(url: URL): Promise<Manifest | SceneManifest> {
-  const text = new TextDecoder().decode(await fetchBytes(url, "high"));
+export async function readAnyManifest(url: URL, requests?: Requests): Promise<Manifest | SceneManifest> {
+  const text = new TextDecoder().decode(await fetchBytes(url, "high", requests));
   let manifest: Manifest | SceneManifest;
   try {
     manifest = JSON.parse(text) as Manifest | SceneManifest;
   } catch {
     throw damaged(url, "it is no JSON");
   }
+  checkSort(manifest, url);
   if (!Array.isArray((manifest as Partial<SceneManifest> | null)?.scene)) return checkManifest(manifest as Manifest, url);
   const { scene, ...whole } = manifest as SceneManifest;
   if (!scene.length) throw damaged(url, "it has no bakes");
@@ -140,7 +142,7 @@ export function checkManifest(manifest: Manifest | undefined, url: URL): Manifes
   if (manifest.version > VERSION) {
     throw new Problem(
       `${fileName(url)} is of version ${manifest.version}, this page reads version ${VERSION}`,
-      `${manifest.tool ?? "A newer RadTex"} wrote it: take the page that the same export made.`,
+      `${manifest.tool ?? "A newer RadTex"} wrote it: update radtex-three, or take the page that the same export made.`,
     );
   }
   for (const key of ["name", "mesh", "flat", "bake", "textures"] as const) {
@@ -150,7 +152,7 @@ export function checkManifest(manifest: Manifest | undefined, url: URL): Manifes
   if (!isKind(kind)) {
     throw new Problem(
       `${fileName(url)} is of a bake of kind “${kind as string}”, which this page does not show`,
-      `${manifest.tool ?? "A newer RadTex"} wrote it: take the page that the same export made.`,
+      `${manifest.tool ?? "A newer RadTex"} wrote it: update radtex-three, or take the page that the same export made.`,
     );
   }
   if ((layout as string) === "shared") {
@@ -166,6 +168,23 @@ export function checkManifest(manifest: Manifest | undefined, url: URL): Manifes
   const problem = problemOf(manifest);
   if (problem) throw damaged(url, problem);
   return manifest;
+}
+
+/** Throws a Problem for JSON that people take for a manifest. */
+function checkSort(facts: unknown, url: URL): void {
+  const has = (key: string): boolean => typeof facts === "object" && facts !== null && key in facts;
+  if (has("layout") && has("kind")) {
+    throw new Problem(
+      `${fileName(url)} is a bake, not its export`,
+      "Export it by bake.py export, or Export… in the panel, and load the NAME.export.json of that.",
+    );
+  }
+  if (has("asset")) {
+    throw new Problem(
+      `${fileName(url)} is a glTF, not a manifest of RadTex`,
+      "Load the NAME.export.json beside it, or the glTF by three.js’s GLTFLoader with the plugin radtex.",
+    );
+  }
 }
 
 function damaged(url: URL, reason: string): Problem {

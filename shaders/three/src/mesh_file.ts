@@ -18,8 +18,9 @@ import type { Manifest } from "./manifest.js";
 import { Problem } from "./problem.js";
 import type { MaterialImages } from "./parts.js";
 import type { BakedMesh } from "./radtex_object.js";
+import type { Requests } from "./requests.js";
 
-const EXTENSION = "RADTEX_radiance_texture";
+export const EXTENSION = "RADTEX_radiance_texture";
 
 /** One bake of a .glb: its meshes, and the flat lightmap's texture, which lies beside it where materials are images. */
 export interface MeshOfBake {
@@ -43,8 +44,8 @@ export interface MeshFile {
 }
 
 /** Fetch and read a .glb. Throws a Problem where it is missing or damaged. */
-export async function loadMeshFile(url: URL): Promise<MeshFile> {
-  const bytes = await fetchBytes(url, "high");
+export async function loadMeshFile(url: URL, requests?: Requests): Promise<MeshFile> {
+  const bytes = await fetchBytes(url, "high", requests);
   let gltf: GLTF;
   try {
     gltf = await new GLTFLoader(ofItself()).parseAsync(bytes.buffer, "");
@@ -52,14 +53,18 @@ export async function loadMeshFile(url: URL): Promise<MeshFile> {
     throw new Problem(`${fileName(url)} is damaged: it cannot be read as glTF`, "Copy it once more, or export again.");
   }
   const { parser, scene } = gltf;
-  const materials: Partial<MaterialOfFile>[] = (parser.json as Partial<Document>).materials ?? [];
   scene.updateMatrixWorld(true);
-  const factsOf = (material: Material): Manifest | undefined => {
+  return { root: scene, factsOf: factsIn(parser) };
+}
+
+/** What our extension says of a material that a parser of GLTFLoader's made; nobody has checked it. */
+export function factsIn(parser: GLTF["parser"]): (material: Material) => Manifest | undefined {
+  const materials: Partial<MaterialOfFile>[] = (parser.json as Partial<Document>).materials ?? [];
+  return (material) => {
     const number = parser.associations.get(material)?.materials;
     const found = number === undefined ? undefined : materials[number];
     return found?.pbrMetallicRoughness?.baseColorTexture?.extensions?.[EXTENSION];
   };
-  return { root: scene, factsOf };
 }
 
 /** Lets a .glb have what is inside it alone, as RadTex writes it: a stranger's may name any server. */
@@ -72,17 +77,25 @@ function ofItself(): LoadingManager {
 
 /** A bake below an object of a .glb that was loaded from `url`. Throws a Problem where it lacks what lookups need. */
 export function bakeBelow(root: Object3D, url: URL): MeshOfBake {
+  const meshes: Mesh[] = [];
+  root.traverse((each) => {
+    if (each instanceof Mesh) meshes.push(each);
+  });
+  return bakeOf(meshes, url);
+}
+
+/** The bake of these meshes. Throws a Problem as `bakeBelow` does. */
+export function bakeOf(meshes: readonly Mesh[], url: URL): MeshOfBake {
   const parts: BakedMesh[] = [];
   let map: Texture | null = null;
-  root.traverse((each) => {
-    if (!(each instanceof Mesh)) return;
+  for (const each of meshes) {
     const mesh = each as Mesh<Mesh["geometry"], MeshBasicMaterial>;
     const number = (mesh.material.userData["radtex_material"] as number | undefined) ?? 0;
-    const images = imagesOf(each as Mesh);
+    const images = imagesOf(each);
     if (!images) map ??= mesh.material.map;
     const opaque = mesh.material.userData["radtex_opaque"] === true;
     parts.push(images ? { mesh, number, images, opaque } : { mesh, number, opaque });
-  });
+  }
   const wanted = ["position", "normal", "uv", "tangent"];
   const lacking = wanted.filter((name) => parts.some(({ mesh }) => !mesh.geometry.hasAttribute(name)));
   if (parts.some(({ images }) => !images) && !map) lacking.push("its flat lightmap");
