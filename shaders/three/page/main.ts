@@ -29,7 +29,7 @@ async function open(): Promise<[Viewer, Inspector]> {
     tell(`Loading textures: ${done} of ${all}`);
     viewer?.invalidate(); // of several bakes one may be complete
   };
-  const loaded = await loadRadTexScene(url, { progressed, lamps: askedLamps() });
+  const loaded = await loadRadTexScene(url, { progressed, lamps: askedLamps(), restore: false });
   body.classList.remove("loading"); // the panel measures what it covers
   body.classList.add("refining");
   viewer = new Viewer(renderer, element("stage"), loaded);

@@ -6,7 +6,7 @@ import type { Color } from "three";
 
 import type { Filter } from "./filters.js";
 import { WHOLE } from "./layers.js";
-import { type Bake, type Parts, partsOf } from "./parts.js";
+import { type Bake, type Parts, partsOf, type Uniforms } from "./parts.js";
 
 /** The bake of one lamp on the same surface, and what its light is multiplied by. */
 export interface Lamp {
@@ -18,8 +18,8 @@ export interface Lamp {
 const OURS =
   /\b(?:radtex\w*|RADTEX\w*|Radtex\w*|u_\w+|light|base_light|stored_cell|of_blender|surface_place|surface_images|to_sun|(?!GL_)[A-Z][A-Z_]+)\b/g;
 
-/** Lookups that add lamps to a bake's own light, which is multiplied by `own`: GLSL with a function `light_of_lamps`. */
-export function lampParts(lamps: readonly Lamp[], own: Color, filter: Filter, number: number): Parts {
+/** Lookups that add lamps to a bake's own light, which is multiplied by u_own: GLSL with a function `light_of_lamps`. */
+export function lampParts(lamps: readonly Lamp[], filter: Filter, number: number): Parts {
   const all: Parts[] = lamps.map(({ bake, colour }, place) => {
     const [lookups, uniforms] = partsOf(bake, filter, "mesh", WHOLE, number);
     return renamed([lookups, { ...uniforms, u_colour: { value: colour } }], `lamp${place}_`);
@@ -43,7 +43,7 @@ ${added.join("\n")}
     return found;
 }`;
   const lookups = [...all.map(([text]) => text), ...declared, body].join("\n");
-  return [lookups, Object.assign({ u_own: { value: own } }, ...all.map(([, uniforms]) => uniforms))];
+  return [lookups, Object.assign({}, ...all.map(([, uniforms]) => uniforms) as Uniforms[])];
 }
 
 /** The same lookups under other names, so that one shader holds them beside others. */

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: MIT
 // From an address to objects in a scene.
 
-import { type Color, Group, type Material, type Mesh, type Object3D, SRGBColorSpace, Texture } from "three";
+import { Group, type Material, type Mesh, type Object3D, SRGBColorSpace, Texture } from "three";
 
 import { type Device, thisDevice } from "./device.js";
 import { fetchBytes, fileName, fileUrl } from "./fetching.js";
@@ -12,6 +12,7 @@ import { bakeBelow, loadMeshFile, type MeshFile } from "./mesh_file.js";
 import type { Bake } from "./parts.js";
 import { Problem } from "./problem.js";
 import { RadTexObject } from "./radtex_object.js";
+import { type RequestOptions, Requests } from "./requests.js";
 import { sunUniforms } from "./sun.js";
 import type { BakeTexture } from "./textures.js";
 
@@ -19,11 +20,13 @@ const IMAGES = 3; // of a material that is shown by its own
 
 type Textures = Map<string, BakeTexture>;
 
-export interface LoadOptions extends TextureOptions {
+export interface LoadOptions extends TextureOptions, RequestOptions {
   /** What the device takes; by default this one is asked. */
   device?: Device;
   /** Exports of the same surface lit by one lamp each, by names of yours, to be mixed by `object.lamps`. */
   lamps?: Readonly<Record<string, string | URL>>;
+  /** Whether the textures are loaded again by themselves after the graphics device was taken away and came back; true by default. */
+  restore?: boolean;
 }
 
 /** A bake that can be drawn. */
@@ -36,7 +39,7 @@ export interface RadTex {
    * a Problem for a file that is missing or damaged.
    */
   complete: Promise<void>;
-  /** Load the textures again, after the graphics device was taken away and came back. As `complete`. */
+  /** Load the textures again, of the object and its clones: for another renderer, or with `restore: false`. As `complete`. */
   reload: () => Promise<void>;
 }
 
@@ -58,19 +61,23 @@ export interface RadTexScene {
  * Problem, whose `message` and `remedy` are for people, where a file is missing, damaged, or of a newer version.
  */
 export async function loadRadTex(address: string | URL, options: LoadOptions = {}): Promise<RadTex> {
-  const url = new URL(address, document.baseURI);
+  const url = addressOf(address);
   const device = options.device ?? thisDevice();
-  const [manifest, early] = url.pathname.endsWith(".glb") ? await manifestOfMesh(url) : [await readManifest(url), null];
-  return loadOne(manifest, url, device, options, early);
+  const asked = { ...options, requests: new Requests(options) };
+  const [manifest, early] = url.pathname.endsWith(".glb")
+    ? await manifestOfMesh(url, asked.requests)
+    : [await readManifest(url, asked.requests), null];
+  return loadOne(manifest, url, device, asked, early);
 }
 
 /** Load an export of one bake, with `lamps`, or of several by the address of its NAME.export.json. Rejected as `loadRadTex`. */
 export async function loadRadTexScene(address: string | URL, options: LoadOptions = {}): Promise<RadTexScene> {
-  const url = new URL(address, document.baseURI);
+  const url = addressOf(address);
   const device = options.device ?? thisDevice();
-  const manifest = await readAnyManifest(url);
+  const requests = new Requests(options);
+  const manifest = await readAnyManifest(url, requests);
   if (!("scene" in manifest)) {
-    const { object: part, complete, reload } = await loadOne(manifest, url, device, options);
+    const { object: part, complete, reload } = await loadOne(manifest, url, device, { ...options, requests });
     return { object: new Group().add(part), name: manifest.name, parts: [part], complete, reload };
   }
   if (Object.keys(options.lamps ?? {}).length) {
@@ -80,14 +87,13 @@ export async function loadRadTexScene(address: string | URL, options: LoadOption
     );
   }
   const manifests = manifest.scene;
-  const load = (): Promise<Textures>[] => loadAll(manifests, url, device, options);
-  const loading = load();
+  const loading = loadAll(manifests, url, device, { ...options, requests });
   const mesh = fileUrl(manifest.mesh, url);
-  const { root } = await loadMeshFile(mesh);
+  const { root } = await loadMeshFile(mesh, requests);
   const parts = await Promise.all(
     manifests.map(async (part) => {
       const { parts: meshes, map } = bakeBelow(nodeOf(root, part.node, mesh), mesh);
-      return new RadTexObject(part, meshes, map ?? (await flatOf(part, url)));
+      return new RadTexObject(part, meshes, map ?? (await flatOf(part, url, requests)));
     }),
   );
   const object = new Group();
@@ -96,10 +102,30 @@ export async function loadRadTexScene(address: string | URL, options: LoadOption
   const taken = async (coming: Promise<Textures>[]): Promise<void> => {
     await Promise.all(parts.map((part, place) => completed(part, alone(coming[place] as Promise<Textures>))));
   };
-  return { object, name: manifest.name, parts, complete: taken(loading), reload: () => taken(load()) };
+  const reload = oneAtATime(() => taken(loadAll(manifests, url, device, again(options))));
+  for (const part of parts) known(part, url, options, reload);
+  return { object, name: manifest.name, parts, complete: taken(loading), reload };
 }
 
-async function alone(textures: Promise<Textures>): Promise<[Textures]> {
+/** The same options for loading once more: who could end the load, or watched it, did so of the first. */
+export function again(options: LoadOptions): LoadOptions {
+  return { ...options, requests: new Requests({ ...options, signal: undefined, received: undefined }) };
+}
+
+/** The same, but who asks for it while it goes on gets what goes on. */
+export function oneAtATime(act: () => Promise<void>): () => Promise<void> {
+  let running: Promise<void> | null = null;
+  return () => (running ??= act().finally(() => (running = null)));
+}
+
+/** Let an object know where it is from. */
+export function known(object: RadTexObject, url: URL, { restore = true }: LoadOptions, reload: () => Promise<void>): void {
+  object.address = url.href;
+  if (restore) object.recoverBy(reload);
+}
+
+/** The textures of a bake without lamps. */
+export async function alone(textures: Promise<Textures>): Promise<[Textures]> {
   return [await textures];
 }
 
@@ -126,26 +152,35 @@ async function loadOne(
   early: MeshFile | null = null,
 ): Promise<RadTex> {
   const lamps = options.lamps ?? {};
-  const load = (): Promise<[Textures, ...Bake[]]> =>
+  const load = (asked: LoadOptions): Promise<[Textures, ...Bake[]]> =>
     Promise.all([
-      loadTextures(manifest, url, device, options),
-      ...Object.values(lamps).map((lamp) => loadLamp(new URL(lamp, document.baseURI), manifest, device)),
+      loadTextures(manifest, url, device, asked),
+      ...Object.values(lamps).map((lamp) => loadLamp(addressOf(lamp), manifest, device, asked.requests)),
     ]).then((loaded) => {
       checkCount(manifest, loaded.slice(1) as Bake[], device);
       return loaded;
     });
-  const textures = load();
+  const textures = load(options);
   textures.catch(() => undefined); // `complete` tells it
   const mesh = fileUrl(manifest.mesh, url);
-  const { root } = early ?? (await loadMeshFile(mesh));
+  const { root } = early ?? (await loadMeshFile(mesh, options.requests));
   const { parts, map } = bakeBelow(root, mesh);
-  const object = new RadTexObject(manifest, parts, map ?? (await flatOf(manifest, url)), Object.keys(lamps));
-  return { object, manifest, complete: completed(object, textures), reload: () => completed(object, load()) };
+  const flat = map ?? (await flatOf(manifest, url, options.requests));
+  const object = new RadTexObject(manifest, parts, flat, Object.keys(lamps));
+  const reload = oneAtATime(() => completed(object, load(again(options))));
+  known(object, url, options, reload);
+  return { object, manifest, complete: completed(object, textures), reload };
+}
+
+/** An address relative to the page. Throws a Problem where it is none. */
+function addressOf(address: string | URL): URL {
+  if (URL.canParse(address, document.baseURI)) return new URL(address, document.baseURI);
+  throw new Problem(`“${address}” is no address`, "Give that of a NAME.export.json or NAME.glb, relative to the page.");
 }
 
 /** What a .glb says of its bake, and its contents. */
-async function manifestOfMesh(url: URL): Promise<[Manifest, MeshFile]> {
-  const file = await loadMeshFile(url);
+async function manifestOfMesh(url: URL, requests: Requests): Promise<[Manifest, MeshFile]> {
+  const file = await loadMeshFile(url, requests);
   const meshes = bakeBelow(file.root, url).parts.map(({ mesh }) => mesh);
   const facts = meshes.map(({ material }) => file.factsOf(material as Material));
   const manifest = checkManifest(facts[0], url);
@@ -157,9 +192,9 @@ async function manifestOfMesh(url: URL): Promise<[Manifest, MeshFile]> {
 }
 
 /** The flat lightmap's texture, of the file beside the manifest at `base`, as a .glb that embeds it gives it. */
-async function flatOf(manifest: Manifest, base: URL): Promise<Texture> {
+export async function flatOf(manifest: Manifest, base: URL, requests?: Requests): Promise<Texture> {
   const url = fileUrl(manifest.flat, base);
-  const bytes = await fetchBytes(url, "high");
+  const bytes = await fetchBytes(url, "high", requests);
   try {
     const bitmap = await createImageBitmap(new Blob([bytes], { type: "image/png" }), {
       colorSpaceConversion: "none",
@@ -186,12 +221,12 @@ function nodeOf(root: Object3D, name: string, url: URL): Object3D {
 }
 
 /** The textures of a lamp's export. Throws a Problem if that is of another surface than `main`. */
-async function loadLamp(url: URL, main: Manifest, device: Device): Promise<Bake> {
-  const manifest = await readManifest(url);
+async function loadLamp(url: URL, main: Manifest, device: Device, requests?: Requests): Promise<Bake> {
+  const manifest = await readManifest(url, requests);
   const { kind, layout, texels } = manifest.bake;
   if (kind !== main.bake.kind || layout !== main.bake.layout || String(texels) !== String(main.bake.texels)) {
     throw new Problem(
-      `${manifest.name} is not a lamp of ${main.name}: it is of kind ${kind}, ${layout}, ${texels.join(" × ")} texels`,
+      `${manifest.name} is not a lamp of ${main.name}: it is ${sortOf(manifest)}, and not ${sortOf(main)}`,
       "Bake the lamps of one object in one go, with --lights each.",
     );
   }
@@ -201,7 +236,12 @@ async function loadLamp(url: URL, main: Manifest, device: Device): Promise<Bake>
       "Export all of them with the same --image-limit.",
     );
   }
-  return { manifest, textures: await loadTextures(manifest, url, device), sun: sunUniforms() };
+  return { manifest, textures: await loadTextures(manifest, url, device, { requests }), sun: sunUniforms() };
+}
+
+/** What lamps have in common, in words. */
+function sortOf({ bake: { kind, layout, texels } }: Manifest): string {
+  return `of kind ${kind}, ${layout}, ${texels.join(" × ")} texels`;
 }
 
 /** Throws a Problem for more lamps than a shader of the device has textures for. */
@@ -220,15 +260,12 @@ function checkCount(main: Manifest, lamps: readonly Bake[], device: Device): voi
 }
 
 /** Give an object its textures when they and its lamps' have come. */
-async function completed(object: RadTexObject, loading: Promise<[Textures, ...Bake[]]>): Promise<void> {
+export async function completed(object: RadTexObject, loading: Promise<[Textures, ...Bake[]]>): Promise<void> {
   try {
-    const [textures, ...bakes] = await loading;
-    const colours = [...object.lamps.values()];
-    const { images } = object;
-    const lamps = bakes.map((bake, place) => ({ bake: { ...bake, images }, colour: colours[place] as Color }));
-    object.take(object.manifest, textures, lamps);
+    const [textures, ...lamps] = await loading;
+    object.receive(textures, lamps);
   } catch (error) {
     if (!(error instanceof Problem) || !error.ofDevice) throw error;
-    object.problem = error;
+    object.refuse(error);
   }
 }

@@ -9,8 +9,10 @@ import type { Filter } from "./filters.js";
 import { WHOLE } from "./layers.js";
 import type { MirrorEntry } from "./manifest.js";
 import { type Bake, partsOf } from "./parts.js";
+import { Problem } from "./problem.js";
 import ballVertex from "./shaders/ball.vert.glsl";
 import mirrorMain from "./shaders/mirror.glsl";
+import { type BakeTexture, uploadForFrame } from "./textures.js";
 
 const CHROME = [0.9, 0.92, 0.95]; // seen straight on
 const LAP = 12; // seconds once around
@@ -33,14 +35,21 @@ export class RadTexMirror extends Mesh<SphereGeometry, ShaderMaterial> {
   private before: number | null = null; // when it moved last, in milliseconds
   private readonly facts: MirrorEntry;
   private readonly own;
+  private tree: BakeTexture;
 
   /** `filter` is how the bake is looked up. Levels need derivatives, which a ray's hit has not: they are left out. */
-  constructor(bake: Bake, filter: Filter) {
+  constructor(
+    private readonly bake: Bake,
+    private readonly filter: Filter,
+  ) {
     const facts = bake.manifest.mirror;
     const tree = bake.textures.get("mirror");
-    if (!facts || !tree) throw new Error("the export has no mirror: export with --mirror");
+    const { name } = bake.manifest;
+    if (!facts) throw new Problem(`The export of ${name} has nothing for a mirror ball`, "Export it with --mirror.");
+    if (!tree) throw new Problem(`The textures of ${name} have not come yet`, "Make its mirror ball after `await complete`.");
     super(new SphereGeometry(HULL, 128, 64));
     this.facts = facts;
+    this.tree = tree;
     this.size = facts.radius;
     this.own = {
       u_tree: { value: tree.texture },
@@ -51,9 +60,10 @@ export class RadTexMirror extends Mesh<SphereGeometry, ShaderMaterial> {
       u_radius: { value: this.size },
       u_baked: { value: this.matrix },
     };
-    this.material = this.assembled(bake, filter === "levels" ? "quadrilinear" : filter);
+    this.material = this.assembled();
     this.onBeforeRender = (renderer): void => {
-      for (const texture of bake.textures.values()) texture.upload(renderer as WebGLRenderer);
+      uploadForFrame(bake.textures.values(), renderer as WebGLRenderer, bake.failed);
+      if (bake.textures.get("mirror") !== this.tree) queueMicrotask(() => this.renew()); // after this frame
     };
     this.follow();
   }
@@ -80,6 +90,14 @@ export class RadTexMirror extends Mesh<SphereGeometry, ShaderMaterial> {
     return true;
   }
 
+  /** Another ball in the same place, which mirrors the same bake, or another of the same surface. */
+  override clone(_recursive?: boolean, bake = this.bake): this {
+    const made = new RadTexMirror(bake, this.filter) as this;
+    made.set(this.state);
+    made.angle = this.angle;
+    return made;
+  }
+
   dispose(): void {
     this.geometry.dispose();
     this.material.dispose();
@@ -99,7 +117,19 @@ export class RadTexMirror extends Mesh<SphereGeometry, ShaderMaterial> {
     this.own.u_radius.value = this.size;
   }
 
-  private assembled(bake: Bake, filter: Filter): ShaderMaterial {
+  /** Look up the textures that the bake has by now, as after its graphics device was lost. */
+  private renew(): void {
+    const tree = this.bake.textures.get("mirror");
+    if (!tree || tree === this.tree) return;
+    this.tree = tree;
+    this.own.u_tree.value = tree.texture;
+    this.material.dispose();
+    this.material = this.assembled();
+  }
+
+  private assembled(): ShaderMaterial {
+    const { bake } = this;
+    const filter = this.filter === "levels" ? "quadrilinear" : this.filter;
     const { manifest, textures } = bake;
     const [lookups, uniforms] = partsOf(bake, filter, "mirror", WHOLE, 0);
     const clear = [...textures.values()].some(({ entry }) => entry.format === "RGBA16F") || textures.has("alpha");

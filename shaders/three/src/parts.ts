@@ -52,6 +52,8 @@ export interface Bake {
   sun: SunUniforms;
   /** Of the materials that are shown by their own images, by their numbers. */
   images?: ReadonlyMap<number, MaterialImages> | undefined;
+  /** Told why its textures cannot be drawn; without it the console is. */
+  failed?: (problem: Problem) => void;
 }
 
 /** How a bake is looked up, by a filter. */
@@ -204,6 +206,7 @@ function valued(values: UniformValues): Uniforms {
 
 function needed(textures: ReadonlyMap<string, BakeTexture>, name: string): BakeTexture {
   const loaded = textures.get(name);
-  if (!loaded) throw new Problem(`The manifest names no texture “${name}”`, "Export the object again.");
-  return loaded;
+  if (loaded) return loaded;
+  const others = [...textures.values()].map(({ entry }) => entry.file).join(", ") || "no texture";
+  throw new Problem(`There is no texture “${name}”: the manifest names ${others}`, "Export the object again.");
 }

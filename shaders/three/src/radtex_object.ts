@@ -2,16 +2,35 @@
 // SPDX-License-Identifier: MIT
 // A bake in a scene of three.js.
 
-import { Color, Group, type Material, Matrix4, type Mesh, type ShaderMaterial, type Texture, type WebGLRenderer } from "three";
+import {
+  type Camera,
+  Color,
+  Frustum,
+  type GeometryGroup,
+  Group,
+  type JSONMeta,
+  type Material,
+  Matrix4,
+  type Mesh,
+  MeshBasicMaterial,
+  type Object3DJSON,
+  Object3D,
+  type Scene,
+  type ShaderMaterial,
+  type Texture,
+  type WebGLRenderer,
+} from "three";
 
+import { Clones } from "./clones.js";
 import { sortTriangles } from "./far_first.js";
 import { type Filter, filtersOf } from "./filters.js";
 import type { Lamp } from "./lamps.js";
 import { layersOf, WHOLE } from "./layers.js";
 import type { Manifest } from "./manifest.js";
-import { flatMaterial, RadTexMaterial } from "./material.js";
+import { depthMaterial, flatMaterial, hasAlpha, plainLook, RadTexMaterial, type SurfaceMaterial } from "./material.js";
+import { RadTexMirror } from "./mirror.js";
 import type { Bake, MaterialImages } from "./parts.js";
-import type { Problem } from "./problem.js";
+import { Problem, report } from "./problem.js";
 import { changedSun, FIRST_SUN, shine, type Sun, type SunUniforms, sunUniforms } from "./sun.js";
 import type { BakeTexture } from "./textures.js";
 
@@ -32,29 +51,40 @@ export class RadTexObject extends Group implements Bake {
   readonly meshes: readonly Mesh[];
   readonly sun: SunUniforms = sunUniforms();
   readonly images: ReadonlyMap<number, MaterialImages>;
-  /** Why the textures cannot be shown on this device, if so: the flat lightmap stays. */
+  /** Why the textures cannot be shown, if so: the flat lightmap stays. */
   problem: Problem | null = null;
   /** The flat lightmap, one colour a texel. */
-  readonly flat: ShaderMaterial;
-  /** What the bake's own light is multiplied by, where lamps are added to it. */
-  readonly own = new Color(1, 1, 1);
+  readonly flat: SurfaceMaterial;
   /** What the light of each lamp is multiplied by, by the lamp's name: change the colours as you like. */
   readonly lamps: ReadonlyMap<string, Color>;
+  /** Where it was loaded from: what toJSON keeps of it. */
+  address: string | null = null;
   private added: readonly Lamp[] = [];
   private found: ReadonlyMap<string, BakeTexture> | null = null;
   private chosen: { filter: Filter; layer: string };
   private shining: Readonly<Sun> = FIRST_SUN;
+  private covering = 1;
+  private readonly look = plainLook();
   private readonly numbers = new Map<Mesh, number>();
   private readonly opaque: ReadonlySet<number>;
   private readonly materials = new Map<string, RadTexMaterial>();
   private readonly baked: Matrix4;
+  private readonly clones: Clones;
+  private readonly reported = new Set<string>();
+  private depth: ShaderMaterial | null = null; // of what fades
+  private depthDrawn: { frame: number; camera: Camera | null } = { frame: -1, camera: null };
+  private plain: MeshBasicMaterial | null = null; // for a renderer that does not know ours
 
-  /** `map` is the flat lightmap's texture. The meshes, which have the same matrix, are taken out of their parents. */
+  /**
+   * `map` is the flat lightmap's texture. The meshes, which have the same matrix, are taken out of their parents; those of
+   * a clone of `original` have none.
+   */
   constructor(
     private current: Manifest,
-    parts: readonly BakedMesh[],
-    map: Texture,
+    private readonly parts: readonly BakedMesh[],
+    private readonly map: Texture,
     lamps: readonly string[] = [],
+    original: RadTexObject | null = null,
   ) {
     super();
     this.lamps = new Map(lamps.map((name) => [name, new Color(1, 1, 1)]));
@@ -62,22 +92,50 @@ export class RadTexObject extends Group implements Bake {
     this.meshes = parts.map(({ mesh }) => mesh);
     const [first] = this.meshes;
     if (!first) throw new Error("a bake needs a mesh");
-    this.baked = first.matrixWorld.clone();
+    this.baked = (original?.baked ?? first.matrixWorld).clone();
     this.images = new Map(parts.flatMap(({ number, images }) => (images ? [[number, images] as const] : [])));
     this.opaque = new Set(parts.filter((part) => part.opaque).map(({ number }) => number));
-    this.flat = flatMaterial(current, map, this.baked);
+    this.flat = flatMaterial(current, map, this.baked, this.look);
+    this.clones = original?.clones ?? new Clones(map, this.images.values());
+    this.clones.members.add(this);
     for (const { mesh, number } of parts) {
       this.numbers.set(mesh, number);
-      this.attach(mesh);
+      if (mesh.parent) this.attach(mesh);
+      else this.add(mesh);
       mesh.material = this.flat;
-      mesh.onBeforeRender = (_renderer, _scene, camera) => {
-        const material = mesh.material as Material;
-        // Of a hull in folds the nearest side alone is seen: drawn first, it hides the others.
-        if (material.transparent) sortTriangles(mesh, camera, this.manifest.bake.kind === "proxy");
-      };
+      mesh.onBeforeRender = (renderer, scene, camera) => this.beforeMesh(mesh, renderer, scene, camera);
     }
     this.chosen = { filter: filtersOf(current).at(-1) as Filter, layer: WHOLE };
     shine(this.sun, this.shining);
+  }
+
+  /** What the bake's own light is multiplied by, before lamps are added to it. */
+  get own(): Color {
+    return this.look.own;
+  }
+
+  /** What all its light is multiplied by, the lamps' too. */
+  get tint(): Color {
+    return this.look.tint;
+  }
+
+  /** The number that all its light is multiplied by, as by a renderer's `toneMappingExposure`: 2 is a stop more. */
+  get exposure(): number {
+    return this.look.exposure.value;
+  }
+
+  set exposure(exposure: number) {
+    this.look.exposure.value = exposure;
+  }
+
+  /** How much it hides of what lies behind it, 0 to 1, where it is opaque: below 1 it is drawn among what is transparent. */
+  get opacity(): number {
+    return this.covering;
+  }
+
+  set opacity(opacity: number) {
+    this.covering = opacity;
+    for (const material of [this.flat, ...this.materials.values(), this.plain]) if (material) this.cover(material);
   }
 
   get manifest(): Manifest {
@@ -143,7 +201,7 @@ export class RadTexObject extends Group implements Bake {
   }
 
   /** The material of a mesh by the filter and layer that are set; the flat lightmap before there are textures. */
-  materialOf(mesh: Mesh): ShaderMaterial {
+  materialOf(mesh: Mesh): SurfaceMaterial {
     if (!this.found) return this.flat;
     const { filter, layer } = this.chosen;
     const number = this.numberOf(mesh);
@@ -154,9 +212,18 @@ export class RadTexObject extends Group implements Bake {
   }
 
   private made(number: number): RadTexMaterial {
-    const { added: lamps, baked, filter, lightLayer: layer, own } = this;
+    const { added: lamps, baked, filter, lightLayer: layer, look } = this;
     const opaque = this.opaque.has(number);
-    return new RadTexMaterial(this, { filter, layer, number, baked, lamps, own, opaque });
+    const material = new RadTexMaterial(this, { filter, layer, number, baked, lamps, look, opaque });
+    this.cover(material);
+    return material;
+  }
+
+  /** Give a material the object's opacity. */
+  private cover(material: Material): void {
+    material.opacity = this.covering;
+    const blended = "BLENDED" in ((material === this.plain ? this.flat : material).defines ?? {});
+    material.transparent = this.covering < 1 || blended;
   }
 
   /** Show these textures of the same surface, and lamps', from now on, and free those from before that nobody else shows. */
@@ -190,13 +257,84 @@ export class RadTexObject extends Group implements Bake {
     this.show();
   }
 
-  /** Free all that it has on the GPU. */
+  /** Free all that it has on the GPU; what its clones show, too, is freed with the last of them. */
   dispose(): void {
     this.forget();
-    for (const mesh of this.meshes) mesh.geometry.dispose();
-    (this.flat.uniforms["u_flat"]?.value as Texture).dispose();
-    for (const { base, metal, bump } of this.images.values()) for (const each of [base, metal, bump]) each?.dispose();
     this.flat.dispose();
+    this.depth?.dispose();
+    this.plain?.dispose();
+    this.clones.leave(this);
+  }
+
+  /**
+   * Another one in the same place, with the same textures and geometry, and with its own transform, tint, exposure, opacity,
+   * sun and lamps. Textures that are still loading come to both.
+   */
+  override clone(recursive = true): this {
+    const parts = this.parts.map(({ mesh, ...facts }) => ({ ...facts, mesh: mesh.clone(recursive) }));
+    const made = new RadTexObject(this.current, parts, this.map, [...this.lamps.keys()], this);
+    Object3D.prototype.copy.call(made, this, false);
+    made.address = this.address;
+    made.problem = this.problem;
+    made.own.copy(this.own);
+    made.tint.copy(this.tint);
+    made.exposure = this.exposure;
+    made.opacity = this.opacity;
+    made.setSun(this.sunlight);
+    for (const [name, colour] of this.lamps) made.lamps.get(name)?.copy(colour);
+    made.chosen = { ...this.chosen };
+    if (this.found) made.take(this.current, this.found, made.lampsOf(this.added.map(({ bake }) => bake)));
+    const others = recursive ? this.children.filter((child) => !this.numbers.has(child as Mesh)) : [];
+    for (const child of others) {
+      if (!(child instanceof RadTexMirror)) made.add(child.clone(recursive));
+      else if (made.textures.size) made.add(child.clone(recursive, made));
+    }
+    return made as this;
+  }
+
+  /** Its place and settings, and the address that it is loaded from; not its meshes and textures, which lie there. */
+  override toJSON(meta?: JSONMeta): Object3DJSON {
+    const short = new Group().copy(this, false) as Group;
+    short.uuid = this.uuid;
+    if (short.matrixAutoUpdate) short.updateMatrix();
+    const { address, exposure, opacity } = this;
+    const colours = { own: this.own.toArray(), tint: this.tint.toArray() };
+    short.userData = { ...this.userData, radtex: { address, ...colours, exposure, opacity } };
+    short.children = this.children.filter((child) => !this.numbers.has(child as Mesh) && !(child instanceof RadTexMirror));
+    return short.toJSON(meta);
+  }
+
+  /** Have it and its clones show these textures, and lamps', as they were loaded. */
+  receive(textures: ReadonlyMap<string, BakeTexture>, lamps: readonly Bake[]): void {
+    for (const each of this.clones.members) {
+      if (!each.plain) each.problem = null;
+      each.take(each.current, textures, each.lampsOf(lamps));
+    }
+  }
+
+  /** Have it and its clones keep to the flat lightmap. */
+  refuse(problem: Problem): void {
+    for (const each of this.clones.members) each.problem = problem;
+  }
+
+  /** Load its textures by `reload` whenever the graphics device was taken away and came back. */
+  recoverBy(reload: () => Promise<void>): void {
+    this.clones.reload = reload;
+  }
+
+  /** Keep why it cannot be drawn as it should, and tell the console, once. Never throws: that would end the page's frames. */
+  readonly failed = (problem: Problem): void => {
+    this.problem = problem;
+    if (problem.ofDevice) queueMicrotask(() => this.forget()); // after this frame
+    if (this.reported.has(problem.message)) return;
+    this.reported.add(problem.message);
+    report(problem);
+  };
+
+  private lampsOf(bakes: readonly Bake[]): Lamp[] {
+    const colours = [...this.lamps.values()];
+    const { images } = this;
+    return bakes.map((bake, place) => ({ bake: { ...bake, images }, colour: colours[place] as Color }));
   }
 
   /** The bake's textures and the lamps'. */
@@ -204,17 +342,66 @@ export class RadTexObject extends Group implements Bake {
     return texturesOf([this, ...this.added.map(({ bake }) => bake)]);
   }
 
-  /** Not to be had: it throws. */
-  override clone(): never {
-    throw new Error("a RadTexObject has no clone(): make an InstancedMesh of its meshes, or clone these");
-  }
-
   /** Give the meshes the materials that are set. */
   private show(): void {
     for (const texture of this.everyTexture()) {
       if (texture.entry.arrangement === "slices") texture.blendLevels(this.filter === "levels");
     }
-    for (const mesh of this.meshes) mesh.material = this.materialOf(mesh);
+    for (const mesh of this.meshes) mesh.material = this.plain ?? this.materialOf(mesh);
+  }
+
+  /** A renderer is about to draw a mesh. */
+  private beforeMesh(mesh: Mesh, renderer: WebGLRenderer, scene: Scene, camera: Camera): void {
+    if (!("isWebGLRenderer" in renderer)) return this.showPlainly();
+    this.clones.watch(renderer.domElement);
+    if (!(mesh.material as Material).transparent) return;
+    // Of a hull in folds the nearest side alone is seen: drawn first, it hides the others.
+    const hull = this.current.bake.kind === "proxy";
+    if (hull || this.isClear(mesh)) sortTriangles(mesh, camera, hull);
+    else if (this.isFading(mesh)) this.drawDepth(renderer, scene, camera);
+  }
+
+  /** Whether some of a mesh is clear; else it fades as a whole. */
+  private isClear(mesh: Mesh): boolean {
+    return hasAlpha(this.current) && !this.opaque.has(this.numberOf(mesh));
+  }
+
+  private isFading(mesh: Mesh): boolean {
+    const { opacity, transparent } = mesh.material as Material;
+    return transparent && opacity > 0 && opacity < 1 && !this.isClear(mesh);
+  }
+
+  /** Before the first of its meshes in a picture, draw the depth of all that fade, so that none shows through another. */
+  private drawDepth(renderer: WebGLRenderer, scene: Scene, camera: Camera): void {
+    const { frame } = renderer.info.render;
+    if (this.depthDrawn.frame === frame && this.depthDrawn.camera === camera) return;
+    this.depthDrawn = { frame, camera };
+    this.depth ??= depthMaterial(this.current, this.baked);
+    const seen = new Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse);
+    const view = new Frustum().setFromProjectionMatrix(seen, renderer.coordinateSystem, camera.reversedDepth);
+    for (const mesh of this.meshes) {
+      const drawn = mesh.visible && mesh.layers.test(camera.layers) && (!mesh.frustumCulled || view.intersectsObject(mesh));
+      if (!drawn || !this.isFading(mesh)) continue;
+      const { clippingPlanes, clipIntersection } = mesh.material as Material;
+      Object.assign(this.depth, { clippingPlanes, clipIntersection });
+      renderer.renderBufferDirect(camera, scene, mesh.geometry, this.depth, mesh, null as unknown as GeometryGroup);
+    }
+  }
+
+  /** Show the flat lightmap by a material that every renderer knows: ours are GLSL, which WebGPURenderer does not take. */
+  private showPlainly(): void {
+    const told = this.plain !== null;
+    this.plain ??= new MeshBasicMaterial({ map: this.map, side: this.flat.side });
+    this.plain.color.copy(this.tint).multiply(this.own).multiplyScalar(this.exposure / (this.current.flat_scale || 1));
+    if (told) return;
+    this.cover(this.plain);
+    this.failed(
+      new Problem(
+        `${this.name} is shown by its flat lightmap: WebGPURenderer does not take RadTex’s shaders, which are GLSL`,
+        "Draw it by three.js’s WebGLRenderer.",
+      ),
+    );
+    queueMicrotask(() => this.show()); // after this frame
   }
 }
 

@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: MIT
 // Textures on the GPU, without three.js's own upload: it knows neither all formats nor mip levels of arrays.
 
-import { ExternalTexture, type WebGLRenderer } from "three";
+import { ExternalTexture, type WebGLInfo, type WebGLRenderer } from "three";
 
 import { levelBytes, levelSize, type Pixels } from "./containers.js";
 import { PACKED, PLAIN } from "./device.js";
 import type { TextureEntry } from "./manifest.js";
-import { Problem } from "./problem.js";
+import { Problem, report } from "./problem.js";
 
 /** A texture that shaders read. It is uploaded when a renderer first draws with it. */
 export class BakeTexture {
@@ -18,6 +18,8 @@ export class BakeTexture {
   readonly bytes: number;
   private handle: WebGLTexture | null = null;
   private context: WebGL2RenderingContext | null = null;
+  private info: WebGLInfo | null = null; // that counts it; a context which was restored has another
+  private refused: Problem | null = null;
   private blended: boolean | null = null;
   private users = 0;
 
@@ -32,18 +34,36 @@ export class BakeTexture {
     this.bytes = pixels.levels.reduce((total, _, level) => total + levelBytes(pixels, level), 0);
   }
 
-  /** Put it onto the renderer's GPU, once. Throws a Problem where it does not fit there. */
+  /** Put it onto the renderer's GPU, once. Throws a Problem where it does not fit there, or is on another renderer's. */
   upload(renderer: WebGLRenderer): void {
     const gl = renderer.getContext() as WebGL2RenderingContext;
+    if (gl.isContextLost()) return;
+    this.texture.sourceTexture = this.context === gl ? this.handle : null; // three.js asks for it whenever it draws
     if (this.context === gl) return;
+    if (this.refused) throw this.refused;
     if (!this.pixels) {
-      throw new Problem(`${this.entry.file} was uploaded for another renderer`, "Load the bake once for each renderer.");
+      throw new Problem(
+        `${this.entry.file} is on the graphics device of another renderer, which drew it first`,
+        "Load the bake once for each renderer by loadRadTex; where the first renderer is gone, call reload().",
+      );
     }
-    this.handle = withStateKept(gl, this.pixels.layers > 0, () => uploaded(gl, this.pixels as Pixels, this.entry));
+    try {
+      this.handle = withStateKept(gl, this.pixels.layers > 0, () => uploaded(gl, this.pixels as Pixels, this.entry));
+    } catch (error) {
+      if (error instanceof Problem) this.refused = error;
+      throw error;
+    }
     this.context = gl;
+    this.info = renderer.info;
+    this.info.memory.textures++;
     this.texture.sourceTexture = this.handle;
     this.pixels = null;
     if (this.blended !== null) this.blendLevels(this.blended);
+  }
+
+  /** Whether it is on the GPU of the renderer that has this canvas. */
+  isOn(canvas: EventTarget | null): boolean {
+    return this.context !== null && this.context.canvas === canvas;
   }
 
   /** Let an array of slices blend its mip levels, or keep to the finest. */
@@ -75,10 +95,38 @@ export class BakeTexture {
   /** Free the GPU's memory, whoever shows it. */
   private dispose(): void {
     this.context?.deleteTexture(this.handle);
+    if (this.handle && this.info) this.info.memory.textures--;
     this.texture.sourceTexture = null;
     this.texture.dispose();
     this.handle = this.pixels = null;
   }
+}
+
+/**
+ * Upload what a frame is about to show. What fails is told to `failed`, else to the console, once; it throws no Problem,
+ * which would end the page's frames.
+ */
+export function uploadForFrame(
+  textures: Iterable<BakeTexture>,
+  renderer: WebGLRenderer,
+  failed = reportOnce,
+): void {
+  for (const texture of textures) {
+    try {
+      texture.upload(renderer);
+    } catch (error) {
+      if (!(error instanceof Problem)) throw error;
+      failed(error);
+    }
+  }
+}
+
+const reported = new Set<string>();
+
+function reportOnce(problem: Problem): void {
+  if (reported.has(problem.message)) return;
+  reported.add(problem.message);
+  report(problem);
 }
 
 /** Call `act`, and leave the state of the context that it changes as three.js knows it. */
@@ -124,7 +172,11 @@ function uploaded(gl: WebGL2RenderingContext, pixels: Pixels, entry: TextureEntr
   gl.texParameteri(target, gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE);
   if (gl.getError() === gl.OUT_OF_MEMORY) {
     gl.deleteTexture(handle);
-    throw new Problem(`${entry.file} does not fit into this device's memory`, "Bake fewer texels or smaller buckets.");
+    throw new Problem(
+      `${entry.file} does not fit into this device’s memory`,
+      "Close other tabs, or bake fewer texels or smaller buckets.",
+      true,
+    );
   }
   return handle;
 }

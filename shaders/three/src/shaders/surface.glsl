@@ -10,6 +10,12 @@
 centroid in vec3 v_position, v_normal, v_eye;
 centroid in vec4 v_tangent;
 centroid in vec2 v_uv;
+flat in vec4 v_instance;
+#ifndef LAMPS
+uniform vec3 u_own;
+#endif
+uniform vec3 u_tint;
+uniform float u_exposure, u_opacity;
 #ifdef IMAGES
 centroid in vec2 v_uv_images;
 #endif
@@ -19,6 +25,8 @@ centroid in vec3 v_to_sun;
 
 void main() {
     #include <clipping_planes_fragment>
+    float opacity = u_opacity * v_instance.a;
+    if (opacity <= 0.0) discard;  // else it would hide what lies behind
     #include <logdepthbuf_fragment>
 #ifdef LAYERED
     surface_place = v_position;
@@ -33,7 +41,10 @@ void main() {
     vec4 seen = light(v_uv, v_normal, v_tangent, V);
 #ifdef LAMPS
     seen.rgb = light_of_lamps(seen.rgb, v_position, v_uv, v_normal, v_tangent, V);
+#else
+    seen.rgb *= u_own;
 #endif
+    seen.rgb *= u_exposure * u_tint * v_instance.rgb;
 #ifdef CLEAR
     if (max(seen.a, max(seen.r, max(seen.g, seen.b))) < 0.002) discard;  // else it would hide what lies behind
 #endif
@@ -57,4 +68,5 @@ void main() {
 #ifdef BLENDED
     gl_FragColor.rgb *= cover;
 #endif
+    gl_FragColor *= opacity;  // premultiplied
 }

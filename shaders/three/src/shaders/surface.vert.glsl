@@ -7,13 +7,16 @@
 #include <fog_pars_vertex>
 #include <logdepthbuf_pars_vertex>
 #include <clipping_planes_pars_vertex>
+#include <batching_pars_vertex>
 #ifndef USE_TANGENT
 in vec4 tangent;
 #endif
+invariant gl_Position;  // its depth is drawn first where it fades, by another shader
 uniform mat4 u_baked;  // from the mesh's own space to the world of the bake
 centroid out vec3 v_position, v_normal, v_eye;  // the eye: its place, or where an orthographic camera looks from
 centroid out vec4 v_tangent;
 centroid out vec2 v_uv;
+flat out vec4 v_instance;  // what an instance's light is multiplied by, and its opacity
 #ifdef IMAGES
 in vec2 uv_images;
 centroid out vec2 v_uv_images;  // as glTF has it, for its images
@@ -27,6 +30,18 @@ void main() {
     mat4 placed = modelMatrix;
 #ifdef USE_INSTANCING
     placed = placed * instanceMatrix;
+#endif
+#ifdef USE_BATCHING
+    int instance = int(getIndirectIndex(gl_DrawID));
+    placed = placed * getBatchingMatrix(float(instance));
+#endif
+    v_instance = vec4(1.0);
+#ifdef USE_INSTANCING_COLOR
+    v_instance.rgb = instanceColor.rgb;
+#endif
+#ifdef USE_BATCHING_COLOR
+    int across = textureSize(batchingColorTexture, 0).x;
+    v_instance = texelFetch(batchingColorTexture, ivec2(instance % across, instance / across), 0);
 #endif
     mat4 back = u_baked * inverse(placed);  // from the scene's world to that of the bake
     mat3 turn = mat3(u_baked);
