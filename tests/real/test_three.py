@@ -4,9 +4,12 @@
 
 from __future__ import annotations
 
+import functools
+import http.server
 import json
 import re
 import shutil
+import threading
 import tomllib
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
@@ -21,12 +24,14 @@ import pytest
 from radtex_addon.report.metrics import Picture
 from tests.real.browser import Shown, decoded
 from tests.real.exhibit import CAMERAS, Camera, Exhibit, decibels
+from tests.real.mirror_scene import SKY
 from tests.real.root import REPOSITORY
 from tests.real.web import NO_BLOCKS, SOURCES, Site, aces, encoded, node
 
 INSIDE = REPOSITORY / "tests/real/inside"
 GUIDE = REPOSITORY / "docs/three.md"
 FRONT = CAMERAS[0]
+FAR = Camera("far", (12.0, -40.0, 12.0), target=(12.0, 0.0, 0.0))
 LEAST = 38.0  # dB against the reference
 SAME = 55.0  # dB between two ways to draw the same light: rasterisers know places to a part of a pixel
 PHONE = {"has_touch": True, "is_mobile": True, "device_scale_factor": 2}
@@ -45,17 +50,47 @@ class App:
         self.shown.page.evaluate("async () => { await window.app }")
         return self
 
-    def light(self, check: str, camera: Camera, *further: Any, wide: int = 1) -> Picture:
-        """A picture's linear light (H, W, 3), rows from the top."""
-        made = self.shown.page.evaluate(
+    def ask(self, check: str, camera: Camera, *further: Any) -> Any:
+        """What a check gives that takes a camera."""
+        return self.shown.page.evaluate(
             "([check, view, further]) => checks[check](view, ...further)",
             [check, Shown.view(camera), list(further)],
         )
-        return decoded(made).reshape(camera.pixels, wide * camera.pixels, 4)[::-1, :, :3].astype(np.float64)
+
+    def failing(self, address: str, settings: dict[str, Any], ending: str | None = None) -> dict[str, Any]:
+        """What a load says that cannot succeed."""
+        said: dict[str, Any] = self.shown.page.evaluate(
+            "([address, settings, ending]) => checks.failing(address, settings, ending)",
+            [address, settings, ending],
+        )
+        return said
+
+    def light(self, check: str, camera: Camera, *further: Any, wide: int = 1) -> Picture:
+        """A picture's linear light (H, W, 3), rows from the top."""
+        return picture(self.ask(check, camera, *further), camera, wide)
+
+
+def picture(made: str, camera: Camera, wide: int = 1) -> Picture:
+    """Linear light (H, W, 3) of what a check gives, rows from the top."""
+    return decoded(made).reshape(camera.pixels, wide * camera.pixels, 4)[::-1, :, :3].astype(np.float64)
 
 
 def blocks_of(guide: str, language: str) -> list[str]:
     return re.findall(rf"```{language}\n(.*?)```", guide, re.DOTALL)
+
+
+def examples_of(guide: str) -> str:
+    """A script with the guide's examples after its page, each a function of the page's object and scene."""
+    examples = blocks_of(guide, "js")[1:]
+    used = {line for example in examples for line in example.splitlines() if line.startswith("import ")}
+    names: dict[str, set[str]] = {}
+    for line in used:
+        listed, module = re.fullmatch(r'import \{ (.*) \} from "(.*)";', line).groups()  # type: ignore[union-attr]
+        names.setdefault(module, set()).update(listed.split(", "))
+    imports = [f'import {{ {", ".join(sorted(found))} }} from "{module}";' for module, found in names.items()]
+    bodies = [re.sub(r"^import .*\n", "", example, flags=re.MULTILINE) for example in examples]
+    functions = [f"async (object, scene) => {{\n{body}}}" for body in bodies]
+    return "\n".join([*imports, f"window.examples = [{', '.join(functions)}];"])
 
 
 @pytest.fixture(scope="module")
@@ -86,7 +121,10 @@ def packed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     guide = GUIDE.read_text(encoding="utf-8")
     (folder / "app.js").write_text(blocks_of(guide, "js")[0])
     shutil.copyfile(INSIDE / "three_checks.js", folder / "three_checks.js")
-    (folder / "both.js").write_text('import "./app.js";\nimport "./three_checks.js";\n')
+    (folder / "examples.js").write_text(examples_of(guide))
+    (folder / "both.js").write_text(
+        'import "./app.js";\nimport "./three_checks.js";\nimport "./examples.js";\n'
+    )
     return folder
 
 
@@ -105,13 +143,19 @@ def bundled(packed: Path) -> Path:
 def opened(
     web: Site, exhibit: Exhibit, form: str, script: Path, before: str = "", **context: Any
 ) -> Iterator[App]:
-    folder = web.add(form, getattr(exhibit, form))
+    with opened_in(web, web.add(form, getattr(exhibit, form)), script, before, **context) as page:
+        yield page
+
+
+@contextmanager
+def opened_in(web: Site, folder: Path, script: Path, before: str = "", **context: Any) -> Iterator[App]:
+    """The page with an export in a folder of the site."""
     (manifest,) = folder.glob("*.export.json")
     shutil.copyfile(script, folder / script.name)
     (folder / "app.html").write_text(
         f'<!doctype html><body></body><script type="module" src="{script.name}"></script>'
     )
-    with web.opened(f"{form}/app.html?bake={manifest.name}", before=before, **context) as shown:
+    with web.opened(f"{folder.name}/app.html?bake={manifest.name}", before=before, **context) as shown:
         yield App(shown).ready()
 
 
@@ -148,7 +192,7 @@ def add_guide(folder: Path, packed: Path) -> None:
     """Put the guide's page without a bundler into a served folder, as modules.html."""
     (page,) = blocks_of(GUIDE.read_text(encoding="utf-8"), "html")
     (folder / "modules.html").write_text(page.replace('src="app.js"', 'src="both.js"'))
-    for name in ("app.js", "both.js", "three_checks.js"):
+    for name in ("app.js", "both.js", "examples.js", "three_checks.js"):
         shutil.copyfile(packed / name, folder / name)
     if not (folder / "node_modules").exists():
         (folder / "node_modules").symlink_to(packed / "node_modules")
@@ -255,14 +299,364 @@ def test_textures_stay_while_an_object_shows_them(web: Site, exhibit: Exhibit, b
 
 @FORMS
 def test_lamps_add_their_light(web: Site, exhibit: Exhibit, bundled: Path, form: str) -> None:
-    """The same bake as a lamp: with its own light at 1/2 and the lamp's at 2 there is 2.5 times as much."""
+    """The same bake as a lamp: with its own light at 1/2 and the lamp's at 2 there is 2.5 times as much.
+
+    A clone has its own lamps: of 3 there, 3.5 times.
+    """
     with opened(web, exhibit, form, bundled) as page:
         mask = getattr(exhibit, form).eroded(FRONT)
         one = page.light("one", FRONT)
         page.shown.page.evaluate("checks.addLamp()")
         found = decibels(page.light("one", FRONT) / 2.5, one, mask)
-        print(f"{form}, lamps: {found:.1f} dB")
+        cloned = decibels(page.light("cloneOfMixed", FRONT) / 3.5, one, mask)
+        print(f"{form}, lamps: {found:.1f} dB, cloned {cloned:.1f} dB")
+        assert min(found, cloned) >= SAME
+
+
+@FORMS
+def test_a_clone_shows_the_same_in_another_place(
+    app: Callable[[str], App], exhibit: Exhibit, form: str
+) -> None:
+    """Also of a group that holds the object, and one that was made while textures were loading."""
+    page, mask = app(form), getattr(exhibit, form).eroded(FRONT)
+    one = page.light("one", FRONT)
+    assert decibels(page.light("cloned", FRONT, np.array(CHANGE).ravel().tolist()), one, mask) >= SAME
+    assert np.array_equal(page.light("cloneOfLoading", FRONT), one)
+    facts = page.shown.page.evaluate("checks.shares()")
+    assert facts == {
+        "geometry": True,
+        "textures": True,
+        "own": [1, 1, 1, 0],
+        "transparent": [False] * len(facts["transparent"]),
+        "kept": "kept",
+        "again": 3,
+    }
+
+
+def test_the_last_clone_frees_what_all_share(app: Callable[[str], App]) -> None:
+    """By three.js's own counts, which the textures of a bake are among."""
+    facts = app("layered").ask("counted", FRONT)
+    without, both, alone, freed = facts["counts"]
+    print(facts["counts"], len(facts["own"]))
+    assert both[0] - without[0] >= len(facts["own"])
+    assert both[1] > without[1]
+    assert (alone, freed) == (both, without)
+
+
+@FORMS
+def test_tint_exposure_and_opacity_do_what_they_say(
+    app: Callable[[str], App], exhibit: Exhibit, form: str
+) -> None:
+    page, mask = app(form), getattr(exhibit, form).eroded(FRONT)
+    one = page.light("one", FRONT)
+    tint = np.array([0.5, 0.25, 2.0])
+    for settings, factor in (
+        ({"tint": tint.tolist()}, tint),
+        ({"exposure": 3}, 3.0),
+        ({"own": [0.5, 0.5, 0.5]}, 0.5),
+        ({"own": [0.5, 0.5, 0.5], "tint": tint.tolist(), "exposure": 4}, 2 * tint),
+    ):
+        assert np.allclose(page.light("looking", FRONT, settings), factor * one, rtol=1e-5, atol=1e-6)
+    assert page.light("looking", FRONT, {"opacity": 0}).max() == 0
+    faded = page.light("looking", FRONT, {"opacity": 0.25, "tint": tint.tolist()}, 0.8)
+    wanted = 0.25 * tint * one + 0.75 * 0.8
+    found = decibels(faded, wanted, mask)
+    by_material = {"opacity": 0.25, "tint": tint.tolist(), "exposure": 1}
+    again = decibels(page.light("lookingByMaterial", FRONT, by_material, 0.8), wanted, mask)
+    print(f"{form}, opacity: {found:.1f}, by the material {again:.1f} dB")
+    assert min(found, again) >= SAME
+
+
+@FORMS
+def test_instances_have_colours_and_opacities(app: Callable[[str], App], exhibit: Exhibit, form: str) -> None:
+    page, mask = app(form), getattr(exhibit, form).eroded(FRONT)
+    one = page.light("one", FRONT)
+    colour = np.array([0.5, 0.25, 2.0])
+    assert decibels(page.light("tinted", FRONT, colour.tolist()), colour * one, mask) >= SAME
+    solid, none = [*colour.tolist(), 1], [1, 1, 1, 0]
+    seen = page.light("batched", FRONT, solid, none, True, 0)
+    assert decibels(seen, colour * one, mask) >= SAME
+    half, far = [*colour.tolist(), 0.5], [2, 0, 0, 1]
+    faded = page.light("batched", FRONT, half, none, True, 0.8)
+    found = decibels(faded, 0.5 * colour * one + 0.5 * 0.8, mask)
+    print(f"{form}, faded instance: {found:.1f} dB")
+    assert found >= 25
+    pictures = [page.light("batched", FRONT, half, far, first, 0.8) for first in (True, False)]
+    assert np.array_equal(pictures[0], pictures[1]), "drawn in the order that they were made in"
+    assert decibels(pictures[0], faded, mask) < 25, "the far one is seen through the near one"
+
+
+def test_it_is_small_as_json(app: Callable[[str], App]) -> None:
+    facts = app("layered").shown.page.evaluate("checks.written()")
+    print(facts)
+    assert facts.pop("bytes") < 4000
+    assert facts.pop("address").endswith(".export.json")
+    assert facts == {
+        "place": 3,
+        "name": facts["name"],
+        "children": 1,
+        "own": [1, 1, 1],
+        "tint": [0.5, 1, 1],
+        "exposure": 1,
+        "opacity": 1,
+    }
+
+
+@FORMS
+def test_it_comes_back_by_itself_after_the_device_was_lost(
+    web: Site, exhibit: Exhibit, bundled: Path, form: str
+) -> None:
+    with opened(web, exhibit, form, bundled) as page:
+        one = page.light("one", FRONT)
+        facts = page.ask("lost", FRONT)
+        assert np.array_equal(picture(facts["again"], FRONT), one)
+        assert np.array_equal(picture(facts["instances"], FRONT), one)
+        assert (facts["flat"], facts["both"], facts["problem"]) == (0, True, None)
+        assert facts["textures"] > 0
+        assert not [line for line in facts["told"] if "RadTex" in line]
+
+
+def test_a_mirror_ball_is_cloned_with_its_object_and_comes_back_with_it(
+    web: Site, exhibit: Exhibit, bundled: Path
+) -> None:
+    folder = web.add("with-mirror", exhibit.plain, mirror=True, sky=SKY)
+    with opened_in(web, folder, bundled) as page:
+        facts = page.ask("ball", FRONT)
+    assert "await complete" in facts["early"]
+    without, before, cloned, after = (
+        picture(facts[name], FRONT) for name in ("bare", "one", "cloned", "after")
+    )
+    assert np.abs(before - without).max() > 0.05
+    assert np.array_equal(cloned, before)
+    assert np.array_equal(after, before)
+
+
+ODD = {
+    "page.export.json": (
+        "<!doctype html><title>My app</title>",
+        "is missing",
+        "web page in its place",
+        "public",
+    ),
+    "large.export.json": (
+        "version https://git-lfs.github.com/spec/v1\noid sha256:0\n",
+        "Git LFS",
+        "git lfs pull",
+    ),
+    "nothing.export.json": ("", "is empty", "export again"),
+    "100%.export.json": ("{", "100%.export.json is no manifest", "no JSON"),
+    "Head.radiance.json": ('{"version": 1, "kind": "radiance", "layout": "buckets"}', "is a bake", "Export"),
+    "Head.gltf": ('{"asset": {"version": "2.0"}}', "is a glTF", "plugin radtex"),
+}
+
+
+@pytest.mark.parametrize("name", ODD)
+def test_what_is_taken_for_an_export_is_named(app: Callable[[str], App], web: Site, name: str) -> None:
+    page = app("plain")
+    content, *words = ODD[name]
+    folder = web.folder / "odd"
+    folder.mkdir(exist_ok=True)
+    (folder / name).write_text(content)
+    said = page.failing(f"../odd/{name.replace('%', '%25') if name.startswith('1') else name}", {})
+    print(said)
+    assert said["name"] == "Problem"
+    for word in (name, *words):
+        assert word in f"{said['message']} {said['remedy']}"
+
+
+def test_a_wrong_number_is_named_with_its_place(app: Callable[[str], App], web: Site) -> None:
+    page = app("plain")
+    facts = json.loads(next((web.folder / "plain").glob("*.export.json")).read_text())
+    facts["textures"]["radiance"]["size"] = [0, 4]
+    folder = web.folder / "odd"
+    folder.mkdir(exist_ok=True)
+    (folder / "Number.export.json").write_text(json.dumps(facts))
+    said = page.failing("../odd/Number.export.json", {})
+    print(said)
+    for word in ("Number.export.json", '"size" is [0,4]', "two whole numbers", "in the texture “radiance”"):
+        assert word in said["message"]
+    assert "is no address" in page.failing("http://", {})["message"]
+
+
+def test_a_second_renderer_is_refused_without_an_end_of_frames(
+    web: Site, exhibit: Exhibit, bundled: Path
+) -> None:
+    with opened(web, exhibit, "plain", bundled) as page:
+        facts = page.ask("twoRenderers", FRONT)
+    print(facts["told"], facts["problem"])
+    assert facts["before"] == facts["after"]
+    (said,) = facts["told"]
+    assert "Suzanne.radiance.ktx2" in said
+    assert "Load the bake once for each renderer" in said
+    assert "another renderer" in facts["problem"]
+    assert facts["thrown"]["name"] == "Problem"
+    assert facts["errors"] == [0, 0]
+
+
+@FORMS
+def test_webgpu_renderer_shows_the_flat_lightmap_and_says_why(
+    web: Site, exhibit: Exhibit, bundled: Path, form: str
+) -> None:
+    with opened(web, exhibit, form, bundled) as page:
+        flat = page.light("flatly", FRONT)
+        facts = page.ask("webgpu", FRONT)
+    said = [line for line in facts["told"] if "WebGPURenderer" in line]
+    print(facts["told"])
+    assert len(said) == 1
+    assert "Draw it by three.js’s WebGLRenderer" in said[0]
+    assert "WebGPURenderer" in facts["problem"]
+    found = decibels(picture(facts["light"], FRONT), flat, getattr(exhibit, form).eroded(FRONT))
+    print(f"{form}, WebGPURenderer: {found:.1f} dB")
+    assert found >= 35
+
+
+class Guarded(http.server.SimpleHTTPRequestHandler):
+    """Serves files to pages of other servers that send a key; below slow/ textures stop in the middle."""
+
+    ended = threading.Event()
+
+    def log_message(self, *message: Any) -> None:
+        pass
+
+    def end_headers(self) -> None:
+        self.send_header("Access-Control-Allow-Origin", "*")
+        self.send_header("Access-Control-Allow-Headers", "X-Key")
+        super().end_headers()
+
+    def do_OPTIONS(self) -> None:
+        self.send_response(204)
+        self.end_headers()
+
+    def do_GET(self) -> None:
+        if self.headers["X-Key"] != "open":
+            self.send_error(403)
+        elif self.path.startswith("/slow/") and self.path.endswith(".ktx2"):
+            self.send_response(200)
+            self.send_header("Content-Length", "1000")
+            self.end_headers()
+            self.wfile.write(bytes(500))
+            self.wfile.flush()
+            self.ended.wait(60)
+        else:
+            self.path = self.path.removeprefix("/slow")
+            super().do_GET()
+
+
+@pytest.fixture
+def guarded(web: Site) -> Iterator[str]:
+    """The address of another server of the same exports."""
+    handler = functools.partial(Guarded, directory=str(web.folder))
+    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
+        thread = threading.Thread(target=server.serve_forever, daemon=True)
+        thread.start()
+        try:
+            yield f"http://127.0.0.1:{server.server_address[1]}"
+        finally:
+            Guarded.ended.set()
+            server.shutdown()
+            thread.join()
+            Guarded.ended.clear()
+
+
+def test_a_loader_works_as_three_js_s_do(app: Callable[[str], App], web: Site, guarded: str) -> None:
+    page = app("layered")
+    one = page.light("one", FRONT)
+    name = next((web.folder / "layered").glob("*.export.json")).name
+    facts = page.ask("byLoader", FRONT, f"{guarded}/layered", name)
+    assert np.array_equal(picture(facts["light"], FRONT), one)
+    textures = json.loads((web.folder / "layered" / name).read_text())["textures"]
+    files = [path for path in (web.folder / "layered").iterdir() if path.name.startswith("Suzanne.")]
+    asked = 2 + len(
+        textures
+    )  # the manifest, the mesh, and all textures, each changed by the manager's modifier
+    print(
+        facts["progress"][-1],
+        facts["ended"],
+        facts["started"],
+        facts["modified"],
+        [path.name for path in files],
+    )
+    assert facts["parts"] == [len(textures)]
+    assert facts["modified"] == asked
+    assert (facts["ended"], facts["finished"]) == (asked + 1, 1)
+    assert facts["started"] == [f"{guarded}/layered/moved/{name}"]
+    computable, loaded, total = facts["progress"][-1]
+    assert computable
+    assert loaded == total > facts["files"]
+    assert [loaded for _, loaded, _ in facts["progress"]] == sorted(
+        loaded for _, loaded, _ in facts["progress"]
+    )
+
+
+@pytest.mark.parametrize("ending", ["signal", "loader", "manager"])
+def test_a_load_can_be_ended(app: Callable[[str], App], web: Site, guarded: str, ending: str) -> None:
+    page = app("plain")
+    name = next((web.folder / "plain").glob("*.export.json")).name
+    key = {"setRequestHeader": {"X-Key": "open"}}
+    said = page.failing(f"{guarded}/slow/plain/{name}", key, ending)
+    print(said)
+    assert said["name"] == "AbortError"
+    assert said["seconds"] < 10
+    assert name in said["errors"]
+
+
+def test_a_load_that_fails_says_why_and_what_to_do(
+    app: Callable[[str], App], web: Site, guarded: str
+) -> None:
+    page = app("plain")
+    name = next((web.folder / "plain").glob("*.export.json")).name
+    key = {"setRequestHeader": {"X-Key": "open"}}
+    late = page.failing(f"{guarded}/slow/plain/{name}", key | {"setTimeout": 700})
+    refused = page.failing(f"{guarded}/plain/{name}", {})
+    missing = page.failing(f"{guarded}/plain/None.export.json", key)
+    unsent = page.failing(f"{guarded}/plain/{name}", {"setRequestHeader": {"X-Key": "…"}})
+    gone = page.failing(f"http://127.0.0.1:9/{name}", {})
+    for said, *words in (
+        (late, "Suzanne.radiance.ktx2 does not come", "0.7 seconds", "timeout"),
+        (refused, f"{name} was refused: 403", "header"),
+        (missing, "None.export.json is missing", "one folder"),
+        (unsent, "requestHeader cannot be sent", "Latin"),
+        (gone, f"{name} could not be reached", "127.0.0.1:9", "Access-Control-Allow-Origin"),
+    ):
+        print(said)
+        assert said["name"] == "Problem"
+        for word in words:
+            assert word in f"{said['message']} {said['remedy']}"
+    assert late["errors"].count(name) == 1
+    assert "Suzanne.radiance.ktx2" in late["errors"]
+
+
+@FORMS
+def test_three_js_s_gltf_loader_shows_the_radiance(
+    app: Callable[[str], App], web: Site, exhibit: Exhibit, form: str
+) -> None:
+    page = app(form)
+    one, mask = page.light("one", FRONT), getattr(exhibit, form).eroded(FRONT)
+    folder = web.folder / form
+    (mesh,) = folder.glob("*.glb")
+    facts = page.ask("byGltf", FRONT, mesh.name)
+    (manifest,) = folder.glob("*.export.json")
+    print(facts["objects"], facts["names"], facts["told"])
+    assert facts["objects"] == [["Suzanne", len(json.loads(manifest.read_text())["textures"]), None]]
+    assert not facts["told"]
+    for seen in ("light", "cloned"):
+        found = decibels(picture(facts[seen], FRONT), one, mask)
+        print(f"{form}, GLTFLoader, {seen}: {found:.1f} dB")
         assert found >= SAME
+
+
+def test_a_gltf_without_its_textures_keeps_the_flat_lightmap(app: Callable[[str], App], web: Site) -> None:
+    page = app("plain")
+    (mesh,) = (web.folder / "plain").glob("*.glb")
+    alone = web.folder / "alone"
+    alone.mkdir()
+    shutil.copyfile(mesh, alone / mesh.name)
+    facts = page.ask("byGltf", FRONT, f"../alone/{mesh.name}")
+    assert np.array_equal(picture(facts["light"], FRONT), page.light("flatly", FRONT))
+    ((name, textures, problem),) = facts["objects"]
+    assert (name, textures) == ("Suzanne", 0)
+    assert "Suzanne.radiance.ktx2 is missing" in problem
+    assert "put all files of the export into one folder" in facts["told"][0]
 
 
 def test_a_material_without_a_second_lobe_looks_none_up(
@@ -288,6 +682,43 @@ def test_far_triangles_are_drawn_first_and_none_is_lost(packed: Path) -> None:
     assert json.loads(node("node", str(script))) == {"lost": 0, "disordered": 0}
 
 
+def test_the_guides_examples_run(web: Site, exhibit: Exhibit, packed: Path, bundled: Path) -> None:
+    """Each draws something more, or something else; what loads has another name here."""
+    folder = web.add("plain", exhibit.plain)
+    examples = folder.parent / "examples"
+    shutil.copytree(folder, examples)
+    for ending in ("glb", "export.json"):
+        shutil.copyfile(examples / f"Suzanne.{ending}", examples / f"Vase.{ending}")
+    script = examples / bundled.name
+    shutil.copyfile(bundled, script)
+    (examples / "app.html").write_text(
+        f'<!doctype html><body></body><script type="module" src="{script.name}"></script>'
+    )
+    count = len(blocks_of(GUIDE.read_text(encoding="utf-8"), "js")) - 1
+    with web.opened("examples/app.html?bake=Suzanne.export.json") as shown:
+        page = App(shown).ready()
+        errors: list[str] = []
+        shown.page.on("pageerror", lambda error: errors.append(str(error)))
+        shown.page.on("console", lambda said: errors.append(said.text) if said.type == "error" else None)
+        for number in range(count):
+            before = page.light("one", FAR)
+            shown.page.evaluate(
+                """async (number) => {
+                    const { object, scene } = await window.app;
+                    const { length } = scene.children;
+                    await examples[number](object, scene);
+                    const end = performance.now() + 20000;
+                    while (number === 3 && scene.children.length === length && performance.now() < end) {
+                        await new Promise((done) => setTimeout(done, 20));
+                    }
+                    if (number >= 3) scene.children.at(-1).position.y = 4; // else it is where others are
+                }""",
+                number,
+            )
+            assert not np.array_equal(page.light("one", FAR), before), number
+        assert not errors
+
+
 def test_types_are_found_by_typescript(packed: Path) -> None:
     (packed / "typed.ts").write_text(
         'import { loadRadTex, type RadTexObject, RadTexMirror } from "radtex-three";\n'
@@ -296,6 +727,17 @@ def test_types_are_found_by_typescript(packed: Path) -> None:
         'const ours: RadTexObject = object; ours.lamps.get("key")?.set("#ffcc88");\n'
         "ours.add(new RadTexMirror(ours, ours.filter));\n"
         "ours.setSun({ azimuth: 30 }); const bytes: number = ours.memory.gpu; console.log(bytes);\n"
+        "const other: RadTexObject = ours.clone(); other.opacity = other.exposure = 0.5; ours.add(other);\n"
+        'import { LoadingManager } from "three";\n'
+        'import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";\n'
+        'import { type LoadOptions, Problem, radtex, RadTexLoader, RadTexMaterial } from "radtex-three";\n'
+        "const options: LoadOptions = { signal: AbortSignal.timeout(9), restore: false };\n"
+        "const loader = new RadTexLoader(new LoadingManager()).setPath('a/').setTimeout(1);\n"
+        "const loaded: RadTexObject = (await loader.loadAsync('a.json', ({ loaded }) => loaded)).object;\n"
+        "new GLTFLoader().register(radtex).register((parser) => radtex(parser, options)); loaded.toJSON();\n"
+        "loader.load('a', ({ manifest }) => manifest.name, undefined, (error) => error instanceof Problem);\n"
+        "const material = ours.meshes[0]?.material;\n"
+        "if (material instanceof RadTexMaterial) material.tint.set(1);\n"
     )
     for resolution in ("bundler", "nodenext"):
         module = "esnext" if resolution == "bundler" else "nodenext"

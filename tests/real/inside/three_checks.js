@@ -4,20 +4,32 @@
 
 import {
   ArrayCamera,
+  BatchedMesh,
+  Color,
   FloatType,
   Fog,
+  FrontSide,
+  Group,
   InstancedMesh,
+  LoadingManager,
   Matrix4,
+  Mesh,
+  MeshBasicMaterial,
   NoToneMapping,
+  ObjectLoader,
   OrthographicCamera,
   PerspectiveCamera,
   Plane,
+  PlaneGeometry,
+  Scene,
   Vector3,
   Vector4,
+  WebGLRenderer,
   WebGLRenderTarget,
 } from "three";
+import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 import { KTX2Loader } from "three/addons/loaders/KTX2Loader.js";
-import { loadRadTex } from "radtex-three";
+import { loadRadTex, radtex, RadTexLoader, RadTexMirror, RadTexSceneLoader } from "radtex-three";
 
 function placed(camera, matrix) {
   new Matrix4().fromArray(matrix).transpose().decompose(camera.position, camera.quaternion, camera.scale);
@@ -67,7 +79,370 @@ function encoded(values) {
   return btoa(parts.join(""));
 }
 
+// A plane behind all that a camera sees, of an even grey.
+function wall(view, grey) {
+  if (!grey) return [];
+  const material = new MeshBasicMaterial({ color: new Color(grey, grey, grey), toneMapped: false });
+  const plane = new Mesh(new PlaneGeometry(200, 200), material);
+  const { position, quaternion } = perspective(view);
+  plane.quaternion.copy(quaternion);
+  plane.position.copy(position).add(new Vector3(0, 0, -30).applyQuaternion(quaternion));
+  return [plane];
+}
+
+const asked = () => new URLSearchParams(location.search).get("bake");
+
+// What the console is told as errors from now on.
+function listened() {
+  const said = [];
+  const write = console.error;
+  console.error = (...words) => {
+    said.push(words.join(" "));
+    write(...words);
+  };
+  return said;
+}
+
+// Have the graphics device taken away and given back; tells how many textures the object had meanwhile.
+async function lostAndBack(view) {
+  const { object, renderer } = await window.app;
+  const gone = new Promise((done) => renderer.domElement.addEventListener("webglcontextlost", done));
+  const back = new Promise((done) => renderer.domElement.addEventListener("webglcontextrestored", done));
+  renderer.forceContextLoss();
+  await gone;
+  const count = object.textures.size;
+  await checks.one(view);
+  await new Promise((done) => setTimeout(done));
+  renderer.forceContextRestore();
+  await back;
+  await checks.one(view);
+  return count;
+}
+
+// Draw with something else in the object's place.
+async function drawnInstead(view, ...others) {
+  const { object, scene } = await window.app;
+  object.visible = false;
+  scene.add(...others);
+  const made = await drawn(perspective(view), view[2], view[3]);
+  scene.remove(...others);
+  object.visible = true;
+  return made;
+}
+
 window.checks = {
+  // A clone of a group that holds the object, in another place, with the camera: nothing may change.
+  cloned: async (view, matrix) => {
+    const { object, scene } = await window.app;
+    const change = new Matrix4().fromArray(matrix).transpose();
+    const camera = perspective(view);
+    const group = new Group().add(object);
+    const copy = group.clone();
+    scene.add(object);
+    copy.applyMatrix4(change);
+    camera.applyMatrix4(change);
+    camera.scale.set(1, 1, 1);
+    camera.updateMatrixWorld(true);
+    object.visible = false;
+    scene.add(copy);
+    const made = await drawn(camera, view[2], view[3]);
+    scene.remove(copy);
+    object.visible = true;
+    copy.children[0].dispose();
+    return made;
+  },
+
+  // What a clone shares with its original, and what it has for itself.
+  shares: async () => {
+    const { object } = await window.app;
+    object.userData.note = "kept";
+    const copy = object.clone();
+    copy.tint.setRGB(0.5, 0.5, 0.5);
+    copy.exposure = 3;
+    copy.opacity = 0.5;
+    copy.position.x = 7;
+    const facts = {
+      geometry: copy.meshes.every(({ geometry }, place) => geometry === object.meshes[place].geometry),
+      textures: [...copy.textures.values()].every((each) => [...object.textures.values()].includes(each)),
+      own: [object.tint.r, object.exposure, object.opacity, object.position.x],
+      transparent: object.meshes.map(({ material }) => material.transparent),
+      kept: copy.userData.note,
+      again: copy.clone().exposure,
+    };
+    copy.dispose();
+    return facts;
+  },
+
+  // A clone that was made while textures were loading, when its original is gone.
+  cloneOfLoading: async (view) => {
+    const { object: other, complete } = await loadRadTex(asked());
+    const copy = other.clone();
+    await complete;
+    const { renderer } = await window.app;
+    copy.prepare(renderer);
+    other.dispose();
+    other.dispose();
+    const made = await drawnInstead(view, copy);
+    copy.dispose();
+    return made;
+  },
+
+  // How many textures and geometries three.js counts: without another object, with it, with its clone alone, without both.
+  counted: async (view) => {
+    const { renderer } = await window.app;
+    const counts = [];
+    const count = async (...others) => {
+      await drawnInstead(view, ...others);
+      counts.push([renderer.info.memory.textures, renderer.info.memory.geometries]);
+    };
+    await drawn(perspective(view), view[2], view[3]);
+    await count();
+    const { object: other, complete } = await loadRadTex(asked());
+    await complete;
+    const copy = other.clone();
+    await count(other, copy);
+    other.dispose();
+    await count(copy);
+    copy.dispose();
+    await count();
+    return { counts, own: other.manifest.textures };
+  },
+
+  // The object with other settings, before a grey plane, which is as bright as `backdrop`; 0 is none.
+  looking: async (view, { own = [1, 1, 1], tint = [1, 1, 1], exposure = 1, opacity = 1 }, backdrop = 0, filter = null) => {
+    const { object } = await window.app;
+    const before = object.filter;
+    if (filter) object.filter = filter;
+    const copy = object.clone();
+    object.filter = before;
+    copy.own.fromArray(own);
+    copy.tint.fromArray(tint);
+    copy.exposure = exposure;
+    copy.opacity = opacity;
+    const made = await drawnInstead(view, copy, ...wall(view, backdrop));
+    copy.dispose();
+    return made;
+  },
+
+  // The same by a copy of a material, as of any of three.js's.
+  lookingByMaterial: async (view, { tint, exposure, opacity }, backdrop) => {
+    const { object } = await window.app;
+    const copy = object.clone();
+    for (const mesh of copy.meshes) {
+      mesh.material = mesh.material.clone();
+      mesh.material.tint.fromArray(tint);
+      mesh.material.exposure = exposure;
+      mesh.material.opacity = opacity;
+      mesh.material.transparent = true;
+    }
+    const made = await drawnInstead(view, copy, ...wall(view, backdrop));
+    copy.dispose();
+    return made;
+  },
+
+  // Instances: the first far away, the second in the object's place, in a colour.
+  tinted: async (view, colour) => {
+    const { object } = await window.app;
+    object.updateMatrixWorld(true);
+    const copies = object.meshes.map((mesh) => {
+      const copy = new InstancedMesh(mesh.geometry, mesh.material, 2);
+      copy.setMatrixAt(0, new Matrix4().makeTranslation(0, 1000, 0));
+      copy.setMatrixAt(1, mesh.matrixWorld);
+      copy.setColorAt(0, new Color(1, 0, 0));
+      copy.setColorAt(1, new Color(...colour));
+      return copy;
+    });
+    return drawnInstead(view, ...copies);
+  },
+
+  // A BatchedMesh of three: one far away, one in the object's place and one behind it, each in a colour and with an opacity.
+  batched: async (view, near, far, nearFirst, backdrop) => {
+    const { object } = await window.app;
+    object.updateMatrixWorld(true);
+    const back = new Vector3().setFromMatrixColumn(perspective(view).matrixWorld, 2).multiplyScalar(-0.5);
+    const copies = object.meshes.map((mesh) => {
+      const count = mesh.geometry.getAttribute("position").count;
+      const material = mesh.material.clone();
+      material.transparent = true;
+      material.side = FrontSide; // whose inside would be seen through it
+      const copy = new BatchedMesh(3, count, mesh.geometry.index.count, material);
+      const shape = copy.addGeometry(mesh.geometry);
+      const place = (matrix, colour) => {
+        const instance = copy.addInstance(shape);
+        copy.setMatrixAt(instance, matrix);
+        copy.setColorAt(instance, new Vector4(...colour));
+      };
+      const behind = new Matrix4().makeTranslation(back.x, back.y, back.z).multiply(mesh.matrixWorld);
+      const both = [() => place(mesh.matrixWorld, near), () => place(behind, far)];
+      for (const each of nearFirst ? both : both.reverse()) each();
+      place(new Matrix4().makeTranslation(0, 1000, 0), [1, 0, 0, 1]);
+      return copy;
+    });
+    const made = await drawnInstead(view, ...copies, ...wall(view, backdrop));
+    for (const copy of copies) copy.dispose();
+    return made;
+  },
+
+  // The object as JSON, within a scene; and what ObjectLoader makes of it.
+  written: async () => {
+    const { object } = await window.app;
+    const copy = object.clone();
+    copy.tint.setRGB(0.5, 1, 1);
+    copy.position.x = 3;
+    copy.add(new Group());
+    const text = JSON.stringify(new Scene().add(copy).toJSON());
+    copy.dispose();
+    const read = (await new ObjectLoader().parseAsync(JSON.parse(text))).children[0];
+    const { position, userData, name, children } = read;
+    return { bytes: text.length, place: position.x, name, children: children.length, ...userData.radtex };
+  },
+
+  // What is seen while the graphics device is gone, as soon as it is back, and when textures have come again.
+  lost: async (view) => {
+    const { object, renderer } = await window.app;
+    renderer.setAnimationLoop(null);
+    const copy = object.clone();
+    object.updateMatrixWorld(true);
+    const instances = object.meshes.map((mesh) => {
+      const instance = new InstancedMesh(mesh.geometry, mesh.material, 1);
+      instance.setMatrixAt(0, mesh.matrixWorld);
+      return instance;
+    });
+    const told = listened();
+    await drawnInstead(view, ...instances);
+    const flat = await lostAndBack(view);
+    while (!object.textures.size) await new Promise((done) => setTimeout(done, 20));
+    const again = await checks.one(view);
+    const { memory } = renderer.info;
+    const both = [...copy.textures.values()].every((each) => [...object.textures.values()].includes(each));
+    copy.dispose();
+    return { again, instances: await drawnInstead(view, ...instances), flat, both, told, problem: object.problem?.message ?? null, textures: memory.textures };
+  },
+
+  // The object without and with a mirror ball, its clone, and the object after the graphics device was lost.
+  ball: async (view) => {
+    const { object, renderer } = await window.app;
+    renderer.setAnimationLoop(null);
+    let early = null;
+    const other = object.clone();
+    other.forget();
+    try {
+      new RadTexMirror(other, other.filter);
+    } catch (error) {
+      early = `${error.message} ${error.remedy}`;
+    }
+    other.dispose();
+    const bare = await checks.one(view);
+    const ball = new RadTexMirror(object, object.filter);
+    object.add(ball);
+    ball.set({ place: new Vector3().setFromMatrixColumn(perspective(view).matrixWorld, 2).toArray(), radius: 0.4 });
+    const one = await checks.one(view);
+    const copy = object.clone();
+    const cloned = await drawnInstead(view, copy);
+    await lostAndBack(view);
+    while (!object.textures.size) await new Promise((done) => setTimeout(done, 20));
+    await checks.one(view); // in which the ball finds that it has other textures
+    return { early, bare, one, cloned, after: await checks.one(view) };
+  },
+
+  // A second renderer draws the object, twice, then the first does: what is said, and what the first shows.
+  twoRenderers: async (view) => {
+    const { object, scene, renderer } = await window.app;
+    const before = await checks.one(view);
+    const told = listened();
+    const second = new WebGLRenderer();
+    for (let frame = 0; frame < 2; frame++) second.render(scene, perspective(view));
+    const errors = [second.getContext().getError(), renderer.getContext().getError()];
+    second.dispose();
+    let thrown = null;
+    try {
+      object.prepare(second);
+    } catch (error) {
+      thrown = { name: error.name, remedy: error.remedy };
+    }
+    return { before, after: await checks.one(view), told, problem: object.problem.message, thrown, errors };
+  },
+
+  // What WebGPURenderer draws in three frames, by WebGL where there is no WebGPU; rows from the top.
+  webgpu: async (view) => {
+    const { object, scene } = await window.app;
+    const { WebGPURenderer } = await import("three/webgpu");
+    const renderer = new WebGPURenderer({ forceWebGL: true });
+    await renderer.init();
+    const told = listened();
+    const target = new WebGLRenderTarget(view[2], view[3], { type: FloatType });
+    scene.background = null;
+    for (let frame = 0; frame < 3; frame++) {
+      renderer.setRenderTarget(target);
+      renderer.setClearColor(0, 0);
+      renderer.render(scene, perspective(view));
+      await new Promise((done) => setTimeout(done));
+    }
+    const values = await renderer.readRenderTargetPixelsAsync(target, 0, 0, view[2], view[3]);
+    return { light: encoded(new Float32Array(values)), told, problem: object.problem?.message ?? null };
+  },
+
+  // The bake by a loader of three.js's kind, from another server that asks for a header; and all that it told.
+  byLoader: async (view, server, name) => {
+    const told = { started: [], ended: 0, finished: 0, modified: 0, progress: [] };
+    const manager = new LoadingManager();
+    manager.setURLModifier((url) => {
+      if (url.includes("/moved/")) told.modified++;
+      return url.replace("/moved/", "/");
+    });
+    manager.onStart = (url) => told.started.push(url);
+    manager.onProgress = () => told.ended++;
+    manager.onLoad = () => told.finished++;
+    const loader = new RadTexLoader(manager).setPath(`${server}/moved/`).setRequestHeader({ "X-Key": "open" });
+    const progress = ({ lengthComputable, loaded, total }) => told.progress.push([lengthComputable, loaded, total]);
+    const { object } = await new Promise((done, failed) => loader.load(name, done, progress, failed));
+    const files = object.memory.files;
+    const scene = await new RadTexSceneLoader().setPath(`${server}/`).setRequestHeader({ "X-Key": "open" }).loadAsync(name);
+    const light = await drawnInstead(view, object);
+    object.dispose();
+    return { light, files, parts: scene.parts.map(({ textures }) => textures.size), ...told };
+  },
+
+  // What a load that cannot succeed says, by its settings: names of setters, and what they take.
+  failing: async (address, settings, abortAfter = null) => {
+    const loader = new RadTexLoader(new LoadingManager());
+    const errors = [];
+    loader.manager.onError = (url) => errors.push(url.split("/").at(-1));
+    for (const [name, value] of Object.entries(settings)) loader[name](value);
+    const controller = new AbortController();
+    const begin = performance.now();
+    if (abortAfter === "signal") loader.setSignal(controller.signal);
+    const end = { signal: () => controller.abort(), loader: () => loader.abort(), manager: () => loader.manager.abort() };
+    if (abortAfter) setTimeout(end[abortAfter], 200);
+    const error = await new Promise((done) => loader.load(address, () => done(null), undefined, done));
+    const { name, message, remedy = null } = error;
+    return { name, message, remedy, errors, seconds: (performance.now() - begin) / 1000 };
+  },
+
+  // The bake's .glb by three.js's own loader with the plugin.
+  byGltf: async (view, file) => {
+    const told = listened();
+    const { scene, userData } = await new GLTFLoader().register(radtex).loadAsync(file);
+    const twin = scene.clone();
+    const light = await drawnInstead(view, scene);
+    const cloned = await drawnInstead(view, twin);
+    const objects = userData.radtex.map(({ name, textures, problem }) => [name, textures.size, problem?.message ?? null]);
+    scene.updateMatrixWorld(true);
+    const names = [];
+    scene.traverse(({ name }) => names.push(name));
+    return { light, cloned, objects, told, names };
+  },
+
+  // The flat lightmap.
+  flatly: async (view) => {
+    const { object } = await window.app;
+    const before = object.meshes.map(({ material }) => material);
+    for (const mesh of object.meshes) mesh.material = object.flat;
+    const made = await drawn(perspective(view), view[2], view[3]);
+    object.meshes.forEach((mesh, place) => (mesh.material = before[place]));
+    return made;
+  },
+
   // Whether the shaders of the object's materials look a second lobe up, in the order of their numbers.
   secondLobes: async () => {
     const { object } = await window.app;
@@ -78,13 +453,25 @@ window.checks = {
   // Load the page's bake once more, itself as a lamp of twice its light beside half of its own.
   addLamp: async () => {
     const { object, scene } = await window.app;
-    const address = new URLSearchParams(location.search).get("bake");
+    const address = asked();
     const { object: mixed, complete } = await loadRadTex(address, { lamps: { key: address } });
     await complete;
     mixed.own.setScalar(0.5);
     mixed.lamps.get("key").setScalar(2);
     scene.remove(object);
     scene.add(mixed);
+    window.mixed = mixed;
+  },
+
+  // A clone of that, whose lamp has three times its light, while the original's is out.
+  cloneOfMixed: async (view) => {
+    const copy = window.mixed.clone();
+    copy.lamps.get("key").setScalar(3);
+    window.mixed.lamps.get("key").setScalar(0);
+    window.mixed.visible = false;
+    const made = await drawnInstead(view, copy);
+    copy.dispose();
+    return made;
   },
 
   one: (view, screen) => drawn(perspective(view), view[2], view[3], screen),
@@ -161,7 +548,7 @@ window.checks = {
   // is disposed of.
   shared: async (view) => {
     const { object, scene } = await window.app;
-    const address = new URLSearchParams(location.search).get("bake");
+    const address = asked();
     const { object: other, complete } = await loadRadTex(address);
     await complete;
     for (const mesh of other.meshes) mesh.material = mesh.material.clone();
