@@ -15,6 +15,7 @@ from .plan import CapturePlan
 
 _RADIUS = 3  # texels on each side that are judged together
 _SURE = 3.5  # standard errors of a mean: smaller differences may be noise
+_VALUES = 4  # that are judged: the channels, for a colour may change alone, and their sum
 _VISIBLE = 0.02  # fraction of the atlas's light: smaller differences are invisible
 
 
@@ -24,24 +25,31 @@ def changed_texels(plan: CapturePlan, probe: Floats, before: Floats) -> Bools:
     `probe` (K, m, m, C) are cells of one path each, `before` (K, m, m, C) the means of the same cells in the
     atlas; only the first three channels count.
     """
-    difference = (probe[..., :3] - before[..., :3]).sum(axis=-1, dtype=np.float64)
-    count, cells = len(difference), difference[0].size
-    sums = np.stack(
+    difference = _with_sum((probe[..., :3] - before[..., :3]).astype(np.float64))
+    count, cells = len(difference), difference[0, ..., 0].size
+    sums = np.concatenate(
         [
-            np.full(count, float(cells)),
             difference.sum(axis=(1, 2)),
             (difference**2).sum(axis=(1, 2)),
-            before[..., :3].sum(axis=(1, 2, 3), dtype=np.float64),
+            before[..., :3].sum(axis=(1, 2, 3), dtype=np.float64)[:, None],
+            np.full((count, 1), float(cells)),
         ],
-        axis=-1,
+        axis=1,
     )
-    number, total, squares, light = np.moveaxis(_around(plan.placed(sums)), -1, 0)
+    total, squares, light, number = np.split(
+        _around(plan.placed(sums)), [_VALUES, 2 * _VALUES, 2 * _VALUES + 1], axis=-1
+    )
     mean = np.divide(total, number, out=np.zeros_like(total), where=number > 0)
     spread = np.divide(squares, number, out=np.zeros_like(total), where=number > 0) - mean**2
     error = np.sqrt(np.maximum(spread, 0) / np.maximum(number, 1))
     seen = np.abs(total) > _VISIBLE * np.abs(light)
-    found: Bools = (seen & (np.abs(mean) > _SURE * error)).ravel()[plan.texel]
+    found: Bools = (seen & (np.abs(mean) > _SURE * error)).any(axis=-1).ravel()[plan.texel]
     return found
+
+
+def _with_sum(colour: Floats) -> Floats:
+    """The channels (..., 3) and their sum behind them, (..., 4): noise of single channels is larger."""
+    return np.concatenate([colour, colour.sum(axis=-1, keepdims=True)], axis=-1)
 
 
 def _around(image: Floats) -> Floats:

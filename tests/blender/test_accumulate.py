@@ -197,6 +197,18 @@ def test_what_has_changed_is_refreshed_and_all_else_stays(out: Path) -> None:
     assert np.array_equal(refreshed, card(out / "all anew", FINE)[0])
 
 
+def test_a_change_of_colour_alone_is_found(out: Path) -> None:
+    lamp = lit_card()
+    lamp.data.color = (1, 0.2, 0.2)
+    before, _ = card(out, FINE)
+    lamp.data.color = (0.2, 1, 0.2)  # as bright, summed over the channels
+    refreshed, _ = card(out, AGAIN)
+    anew, _ = card(out / "anew", FINE)
+    changed, left = (np.abs(anew - each).mean() for each in (before, refreshed))
+    print(f"\nerror {left:.5f} of a change of {changed:.5f}")
+    assert left < 0.05 * changed
+
+
 def test_refreshing_and_accumulating_exclude_each_other(out: Path) -> None:
     with pytest.raises(InputError, match="contradict each other"):
         BakeSpec(accumulate=True, refresh=True)
