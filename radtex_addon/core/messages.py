@@ -27,6 +27,7 @@ class Setting(StrEnum):
     BUCKET = "cells"
     CAGE = "cage"
     CAPTURE = "capture method"
+    CHANGED = "baking only what has changed"
     COMPRESSION = "compression"
     DENSITY = "texel density"
     DEVICE = "device"

@@ -21,7 +21,7 @@ from ..forms.layered.files.sidecar import MOST_MATERIALS
 from ..scene.checks.see_through import why_no_surface
 from ..scene.surfaces import may_have_faces
 from ..settings.cost import check_memory
-from ..settings.forms import FormTraits
+from ..settings.forms import NOT_REFRESHED, FormTraits
 from ..settings.kinds import Layout
 from ..settings.spec import BakeSpec
 from ..store.bake_folder import BakeFolder, FolderState
@@ -156,7 +156,9 @@ def _as_begun(bake: Bake, form: FormTraits, bucket: int, wish: OpenLayout, folde
         return replace(spec, bucket=cells)
     if spec.refresh and not form.refreshes:
         raise InputError(
-            f"{BakeFolder(name, spec, folder).files.sidecar} is in {form.title}, which cannot be refreshed",
+            f"{BakeFolder(name, spec, folder).files.sidecar} is in {form.title}, which cannot be refreshed, "
+            f"{NOT_REFRESHED}",
+            do("bake it again only if it has changed", Setting.CHANGED, without=(Setting.REFRESH,)),
             do("bake it anew in layout buckets", Setting.LAYOUT, Setting.OVERWRITE, value="buckets"),
         )
     return _in_layout(Layout(form.layout), spec, cells)

@@ -75,6 +75,9 @@ LAYERED = FormTraits(
     backs=True,
 )
 
+# Why a form whose bakes can be accumulated is not refreshed; measured by `tests.bench.refreshing`.
+NOT_REFRESHED = "since a few paths miss texels that show a change, and to bake those alone saves little time"
+
 FORMS = (BUCKETS, BITS, AMBIENT, SPHERE, LAYERED)
 
 

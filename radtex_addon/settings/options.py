@@ -369,7 +369,7 @@ COURSE = Section(Fold.OUTPUT, (
          help="bake again only those texels of the atlas that is there whose light has changed, with as "
          "many samples as it has",
          tooltip="Bake again only the places whose light has changed since the atlas was baked, as after a "
-         "lamp was moved",
+         "lamp was moved. For Buckets alone: in Layered, Bake Again, or Bake Changed of several objects",
          of_atlas=False),
     _row("where", flag="--where", metavar="NAME", title="Only Where", hooks={"search": "places"},
          help="accumulate or refresh only faces of the object's vertex group, boolean face attribute or "
@@ -377,7 +377,7 @@ COURSE = Section(Fold.OUTPUT, (
          tooltip="Accumulate or refresh only the faces of this vertex group, boolean face attribute or "
          "material. Left empty, everywhere",
          of_atlas=False),
-    _row("only_changed", flag="--changed", default=False,
+    _row("only_changed", flag="--changed", default=False, called=Setting.CHANGED,
          help="bake only what has no finished bake in DIR, or has changed since: mesh, place, materials, "
          "settings or surroundings; replaces what is there, and says in a line what became of each"),
     _row("surroundings", flag="--ignore-surroundings", default=True,

@@ -12,7 +12,7 @@ from ..core.messages import Setting, do, leave_out
 from ..formats.containers.compression import Compression
 from .bake_names import check_pattern
 from .choices import CaptureMethod
-from .forms import FormTraits
+from .forms import NOT_REFRESHED, FormTraits
 from .kinds import KINDS, Light, form_in
 from .options import OPTIONS
 from .parts import Split
@@ -204,7 +204,8 @@ def _check_earlier(spec: BakeSpec) -> None:
     form = _asked(spec)
     if spec.refresh and form.accumulates and not form.refreshes:
         raise InputError(
-            f"{form.title} cannot be refreshed, since all its texels share the pictures of the surroundings",
+            f"{form.title} cannot be refreshed, {NOT_REFRESHED}",
+            do("bake again only the objects that have changed", Setting.CHANGED, without=(Setting.REFRESH,)),
             _BUCKETS,
         )
     for asked, wrong, remedy in (

@@ -133,7 +133,8 @@ def test_a_bake_in_another_layout_leaves_none_of_the_earlier_images(
     assert {"Card.radiance.json", "Card.radiance.own.exr", "Card.radiance.world.exr"} < layered
     assert not layered & {"Card.radiance.exr", "Card.radiance.diffuse.exr"}
     refused = batch(*line[:-1], "--refresh")
-    assert "is in the layered layout, which cannot be refreshed: bake it anew in layout bu" in refused.err
+    assert "is in the layered layout, which cannot be refreshed, since " in refused.err
+    assert "or bake it anew in layout buckets (--layout buckets, --overwrite)" in refused.err
     anew = baked("--layout", "buckets", "--bucket", "2")
     assert anew == {"Card.radiance.json", "Card.radiance.exr"}, "the advice works"
 

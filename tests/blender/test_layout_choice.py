@@ -13,6 +13,7 @@ import bpy
 import pytest
 
 from radtex_addon.cli.arguments import parse
+from radtex_addon.cli.wording import worded
 from radtex_addon.core.errors import InputError
 from radtex_addon.formats.sidecar import file_name
 from radtex_addon.forms.layered import bake as layered
@@ -242,9 +243,24 @@ def test_what_is_folded_in_has_the_cells_of_what_is_there(way: str, out: Path) -
     if way == "--accumulate":
         assert asked(way, out).spec == as_asked(layout=Layout.LAYERED, accumulate=True)
         return
-    words = r"Card\.radiance\.json is in the layered layout, which cannot be refreshed: "
-    with pytest.raises(InputError, match=words + "bake it anew in layout buckets"):
+    words = r"Card\.radiance\.json is in the layered layout, which cannot be refreshed, since a few paths "
+    with pytest.raises(InputError, match=words) as refused:
         asked(way, out)
+    assert worded(refused.value.message).endswith(
+        ": bake it again only if it has changed (--changed, without --refresh), "
+        "or bake it anew in layout buckets (--layout buckets, --overwrite)"
+    )
+
+
+def test_a_refusal_to_refresh_says_what_was_measured_and_what_to_do_instead() -> None:
+    with pytest.raises(InputError) as refused:
+        as_asked(layout=Layout.LAYERED, refresh=True)
+    assert worded(refused.value.message) == (
+        "the layered layout cannot be refreshed, since a few paths miss texels that show a change, "
+        "and to bake those alone saves little time: "
+        "bake again only the objects that have changed (--changed, without --refresh), "
+        "or choose layout buckets (--layout buckets)"
+    )
 
 
 def test_other_frames_of_a_run_that_goes_on_are_alike(out: Path) -> None:

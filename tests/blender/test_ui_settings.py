@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from enum import StrEnum
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, cast
 
 import bpy
 import pytest
@@ -22,9 +22,11 @@ from radtex_addon.settings.presets import STOCK
 from radtex_addon.settings.spec import BakeSpec, Compression, Kind, Layer, Layout, Unwrap
 from radtex_addon.textures.export_spec import Target
 from radtex_addon.ui import registration
+from radtex_addon.ui.panel.settings_panels import RADTEX_PT_output
 from radtex_addon.ui.settings.bake_settings import NAMES, places
 from radtex_addon.ui.settings.presets import RADTEX_OT_preset_add, apply_preset
 from radtex_addon.ui.settings.request import open_layout_of, request_of, spec_of, values_of, values_with
+from tests.blender.recorded_layout import RecordedLayout
 from tests.blender.ui_stage import context, ops, preferences, properties_of, registered, settings
 
 # Of the panel's own making: keys and menus call them, or nobody sees them.
@@ -213,6 +215,40 @@ def test_places_are_for_what_is_accumulated_or_refreshed() -> None:
         assert spec_of(values_of(settings())).where is None
         settings().kind = "radiance"
         setattr(settings(), name, False)
+
+
+def test_refresh_is_grey_in_layered_and_a_line_says_what_to_do_instead() -> None:
+    class Rows(RecordedLayout):
+        """Notes the settings that are drawn in a grey row."""
+
+        enabled = True
+        inner: list[Rows]
+
+        def row(self, **options: Any) -> RecordedLayout:
+            super().row(**options)
+            made = Rows()
+            self.inner = [*getattr(self, "inner", []), made]
+            return made
+
+    def drawn() -> tuple[set[str], str]:
+        layout = Rows()
+        RADTEX_PT_output.draw(cast(Any, SimpleNamespace(layout=layout)), context)
+        grey = {name for row in layout.inner if not row.enabled for name in row.settings}
+        return grey, " ".join(layout.texts)
+
+    settings().atlas_layout = "buckets"
+    settings().refresh = True
+    assert drawn()[0] == set()
+    assert spec_of(values_of(settings())).refresh
+    settings().atlas_layout = "layered"
+    grey, told = drawn()
+    assert grey == {"refresh"}
+    assert "Refresh is for Buckets" in told
+    assert "Bake Changed" in told
+    assert not spec_of(values_of(settings())).refresh
+    settings().refresh = False
+    assert drawn()[0] == {"refresh"}
+    assert "Refresh is for Buckets" not in drawn()[1]
 
 
 def test_places_of_the_active_object_are_found() -> None:

@@ -108,8 +108,14 @@ class RADTEX_PT_output(_Folded, bpy.types.Panel):
         if form.accumulates and kind.accumulates:
             column = headed(layout, iface_("Earlier Bake"), settings, ("accumulate", "refresh"))
             draw_setting(column, settings, "accumulate")
-            if form.refreshes:
-                draw_setting(column, settings, "refresh")
+            row = column.row()
+            row.enabled = form.refreshes
+            draw_setting(row, settings, "refresh")
+            if settings.refresh and not form.refreshes:
+                told = iface_(
+                    "Refresh is for Buckets, and has no effect here: use Bake Again, or Bake Changed"
+                )
+                draw_text(column, told, "INFO")
             if form.accumulates_parts and (settings.accumulate or settings.refresh):
                 draw_setting(column, settings, "where")
         column = headed(layout, iface_("Files"), settings, ("preview", "full_floats"))
