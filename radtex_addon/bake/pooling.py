@@ -141,6 +141,7 @@ class Neighbours:
 
     def _pooled(self, table: Floats, blur: Blur) -> Floats:
         result = large_arrays.empty(table.shape)
+        table = np.ascontiguousarray(table)  # `take` would copy all of another one, for each tile
 
         def pool(tiles: list[_Tile]) -> None:
             for tile in tiles:
