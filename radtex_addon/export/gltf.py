@@ -32,7 +32,7 @@ from ..settings.targets import TargetTraits
 from .export_manifest import Manifest
 from .gltf_images import GltfImages, kept_layers, set_coordinates
 from .material_images import MaterialPictures, Picture
-from .quantised import quantise
+from .quantised import compress, quantise
 
 EXTENSION = "RADTEX_radiance_texture"
 UNLIT = "KHR_materials_unlit"
@@ -67,15 +67,17 @@ def write_gltf(
     clear: bool = False,
     names: Sequence[str] = (),
     pictures: Pictures = NO_PICTURES,
+    compressed: bool = False,
 ) -> None:
     """Write the baked copy, which is alone in `scene` and is changed, to `path`, for a target's loaders.
 
     If it joins the copies of several objects with these `names`, each gets a node. `flat` is the PNG of
     materials without `pictures` of their own; if `clear`, its alpha is blended. The material of a hull is
-    single-sided. Raises BakeError if Blender's exporter fails.
+    single-sided. If `compressed`, the mesh is so by EXT_meshopt_compression. Raises BakeError if Blender's
+    exporter fails.
     """
     names = names or (manifest.bake["object"],)
-    mesh = baked_mesh(scene, copy, uv_layer, manifest, names, traits, pictures)
+    mesh = baked_mesh(scene, copy, uv_layer, manifest, names, traits, pictures, compressed)
     glb = mesh.glb
     glb.document["scenes"][0]["name"] = manifest.name
     images = GltfImages(glb)
@@ -83,6 +85,8 @@ def write_gltf(
     texture = add_flat(images, flat, manifest.flat) if plain else None
     add_materials(images, texture, manifest, mesh.numbers, manifest.name, clear, pictures)
     glb.compact()
+    if compressed:
+        compress(glb)
     glb.write(path)
 
 
@@ -94,12 +98,13 @@ def baked_mesh(
     names: Sequence[str],
     traits: TargetTraits,
     pictures: Pictures = NO_PICTURES,
+    compressed: bool = False,
 ) -> BakedMesh:
     """The baked copy, which is alone in `scene` and is changed, as glTF for a target with these `traits`.
 
     Its node and mesh get the only one of the `names`, or if it joins several copies each gets its own.
-    Materials with `pictures` of their own have these on TEXCOORD_0, and the bake on TEXCOORD_1. Raises
-    BakeError if Blender's exporter fails.
+    Materials with `pictures` of their own have these on TEXCOORD_0, and the bake on TEXCOORD_1. The mesh is
+    made ready for `compress` if it is to be `compressed`. Raises BakeError if Blender's exporter fails.
     """
     layers: tuple[str, ...] = (uv_layer,)
     if pictures:
@@ -127,7 +132,7 @@ def baked_mesh(
     document["scenes"][0]["nodes"] = list(range(len(shown)))
     document["materials"] = []
     width, height = manifest.bake["texels"]
-    quantise(glb, traits, (width, height), layered=manifest.shader is not None)
+    quantise(glb, traits, (width, height), compressed)
     document["asset"]["generator"] = f"{manifest.tool}, {document['asset']['generator']}"
     return BakedMesh(glb, tuple(numbers))
 

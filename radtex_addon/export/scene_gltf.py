@@ -16,6 +16,7 @@ from .export_manifest import Manifest
 from .exporting import ExportSource
 from .gltf import BakedMesh, Pictures, add_flat, add_materials
 from .gltf_images import GltfImages
+from .quantised import compress
 
 _LEVEL = re.compile(r"(.+)_LOD(\d{1,3})", re.IGNORECASE | re.DOTALL)
 LEVELS = "MSFT_lod"
@@ -136,9 +137,10 @@ class SceneGltf:
         ]
         return first
 
-    def write(self, path: Path, shown: Sequence[tuple[int, Sequence[int]]]) -> None:
+    def write(self, path: Path, shown: Sequence[tuple[int, Sequence[int]]], compressed: bool = False) -> None:
         """Write the file; `shown` are the indices of the scene's nodes, each with its levels of detail's.
 
+        If `compressed`, meshes are so by EXT_meshopt_compression, which `baked_mesh` made them ready for.
         Raises InputError if it would be larger than a .glb can be.
         """
         if len(self._glb.buffer) > _MOST_BYTES:
@@ -149,4 +151,6 @@ class SceneGltf:
             if levels:
                 document["nodes"][index]["extensions"] = {LEVELS: {"ids": list(levels)}}
                 document["extensionsUsed"] = sorted({*document["extensionsUsed"], LEVELS})
+        if compressed:
+            compress(self._glb)
         self._glb.write(path)

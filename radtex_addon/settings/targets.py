@@ -52,6 +52,14 @@ class TextureFormat(StrEnum):
         return self.upper().replace("-", " ")
 
 
+class MeshPacking(StrEnum):
+    """How a .glb stores its mesh: by EXT_meshopt_compression or plain; AUTO is the target's choice."""
+
+    AUTO = "auto"
+    MESHOPT = "meshopt"
+    PLAIN = "plain"
+
+
 EVERY_FORMAT = frozenset(TextureFormat)
 _IMPORTED = frozenset((TextureFormat.AUTO, TextureFormat.EXR, TextureFormat.DDS_RGBA16F))  # by engines
 MOST_PIXELS = 16384  # along a side, for targets without a limit of their own
@@ -70,6 +78,7 @@ class TargetTraits:
     * `images`: it shows materials by their own images where they are texture sets.
     * `short_coordinates`: its loaders read texture coordinates of 16 bits, which are core glTF; `quantised`:
       also normals and tangents, by KHR_mesh_quantization, without which a loader refuses the file.
+    * `meshes`: how a mesh may be stored, first the choice of AUTO.
     * `blocks`: other images than plain light are compressed by default, each in a range of its own, and
       `light_blocks`: light is, too.
     * What loaders lack: `arrays` (with mip levels: no slices, no pages), those in KTX2 (`ktx2_arrays`),
@@ -91,6 +100,7 @@ class TargetTraits:
     images: bool = False
     short_coordinates: bool = False
     quantised: bool = False
+    meshes: tuple[MeshPacking, ...] = (MeshPacking.PLAIN,)
     blocks: bool = True
     light_blocks: bool = True
     arrays: bool = True
@@ -111,7 +121,8 @@ TARGETS: dict[Target, TargetTraits] = {
         help="a page for any static server", called="the web",
         next_step="Show in Browser opens it. On a site of your own, any web server will do",
         formats=frozenset((TextureFormat.AUTO, TextureFormat.KTX2_RGBA16F, TextureFormat.KTX2_RGB9E5)),
-        most_pixels=8192, mirror=True, images=True, short_coordinates=True, quantised=True),
+        most_pixels=8192, mirror=True, images=True, short_coordinates=True, quantised=True,
+        meshes=(MeshPacking.MESHOPT, MeshPacking.PLAIN)),
     Target.GODOT: TargetTraits(
         "Godot", "A project that opens and runs, and the addon by which any project shows bakes",
         help="a project", next_step="Open project.godot in Godot 4, and press F5",
@@ -127,7 +138,7 @@ TARGETS: dict[Target, TargetTraits] = {
     Target.GLTF: TargetTraits(
         "glTF", "A .glb whose material names the textures",
         help="mesh, textures and shader includes", languages=("glsl",), images=True,
-        short_coordinates=True,  # any program opens it
+        short_coordinates=True, meshes=(MeshPacking.PLAIN, MeshPacking.MESHOPT),  # any program opens PLAIN
         next_step="Every viewer shows the flat lightmap; the light of each direction needs the shader beside "
         "it"),
     Target.UNITY: TargetTraits(

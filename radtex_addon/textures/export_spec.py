@@ -15,13 +15,14 @@ from ..core.messages import Setting, do, leave_out
 from ..formats.json_reader import Facts
 from ..settings.choices import parse_layer
 from ..settings.spec import as_json
-from ..settings.targets import MOST_PIXELS, Target, TextureFormat
+from ..settings.targets import MOST_PIXELS, MeshPacking, Target, TextureFormat
 
 __all__ = [
     "Arrangement",
     "ExportSpec",
     "ExportStep",
     "ExportTask",
+    "MeshPacking",
     "Target",
     "TextureFormat",
     "export_facts",
@@ -50,7 +51,7 @@ class ExportSpec:
     once. An export that takes more than `memory_mb`, beside Blender, is refused. `mirror` adds a moving
     mirror ball; `sky` is the linear colour that it shows where a ray meets nothing, None for the default.
     `image_limit` is the most pixels along a side of the images that materials are shown by; with 0 the bake's
-    own maps show them.
+    own maps show them. `mesh` is how the .glb stores its vertices and triangles.
     """
 
     target: Target
@@ -64,6 +65,7 @@ class ExportSpec:
     mirror: bool = False
     sky: tuple[float, float, float] | None = None
     image_limit: int = IMAGE_LIMIT
+    mesh: MeshPacking = MeshPacking.AUTO
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "layers", tuple(dict.fromkeys(map(parse_layer, self.layers or ()))))
@@ -86,6 +88,12 @@ class ExportSpec:
         if self.limit is not None and self.limit < LEAST_PIXELS:
             raise InputError(f"limit {self.limit}: a texture needs {LEAST_PIXELS} pixels at least")
 
+        meshes = self.target.traits.meshes
+        if self.mesh not in (MeshPacking.AUTO, *meshes):
+            takers = ", ".join(target for target in Target if self.mesh in target.traits.meshes)
+            raise InputError(
+                f"mesh {self.mesh}: {self.target} does not read it, {takers} do", leave_out(Setting.MESH)
+            )
         if self.image_limit and not LEAST_PIXELS <= self.image_limit <= MOST_PIXELS:
             raise InputError(
                 f"{self.image_limit} pixels for images: give 0, or {LEAST_PIXELS} to {MOST_PIXELS}"
@@ -95,6 +103,12 @@ class ExportSpec:
     def shows_images(self) -> bool:
         """Whether materials are shown by their own images, whose coordinates a mirror ball does not know."""
         return self.target.traits.images and self.image_limit > 0 and not self.mirror
+
+    @property
+    def compressed(self) -> bool:
+        """Whether the .glb's mesh is compressed by EXT_meshopt_compression."""
+        meshes = self.target.traits.meshes
+        return (meshes[0] if self.mesh is MeshPacking.AUTO else self.mesh) is MeshPacking.MESHOPT
 
     @property
     def most_pixels(self) -> int:
@@ -128,6 +142,7 @@ def export_spec_in(facts: Facts) -> ExportSpec:
         mirror="mirror" in facts.values and facts.truth("mirror"),
         sky=sky,
         image_limit=image_limit,
+        mesh=MeshPacking(facts.choice("mesh", tuple(MeshPacking)) if "mesh" in facts.values else "auto"),
     )
 
 

@@ -44,8 +44,8 @@ HELP = {
     "": "--object --kind --layout --uv --unwrap --padding --texels --bucket --samples --capture --seed "
     "--device --memory --out --overwrite --save-preview --filter --no-denoise --float --compression "
     "--progress --help --verbose --version",
-    "export": "--object --to --scene --format --no-zstd --arrangement --levels --limit --image-limit --out "
-    "--overwrite --help --progress --verbose",
+    "export": "--object --to --scene --format --no-zstd --arrangement --levels --limit --image-limit --mesh "
+    "--out --overwrite --help --progress --verbose",
     "report": "--object --scene --views --pixels --samples --variants --min-psnr --out --progress --help",
     "compare": "--object --in-scene --bake --view --window --pixels --samples --min-psnr --out --parent-pipe",
 }

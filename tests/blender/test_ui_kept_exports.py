@@ -20,7 +20,14 @@ from radtex_addon.cli.arguments import parse
 from radtex_addon.core.errors import InputError
 from radtex_addon.formats.json_reader import Facts
 from radtex_addon.job.bake_plan import plan_bakes
-from radtex_addon.textures.export_spec import Arrangement, ExportSpec, Target, export_facts, export_spec_in
+from radtex_addon.textures.export_spec import (
+    Arrangement,
+    ExportSpec,
+    MeshPacking,
+    Target,
+    export_facts,
+    export_spec_in,
+)
 from radtex_addon.textures.kept_exports import kept_exports
 from radtex_addon.ui.jobs import jobs
 from radtex_addon.ui.panel import settings_panels
@@ -364,5 +371,6 @@ def test_the_panel_lists_them_with_a_cross_each(game: Path) -> None:
 
 def test_settings_of_an_export_come_back_from_json() -> None:
     spec = ExportSpec(Target.WEB, levels=3, limit=512, zstd=False, arrangement=Arrangement.SLICES)
+    spec = replace(spec, mesh=MeshPacking.PLAIN)
     for each in (spec, ExportSpec(Target.GODOT, mirror=True, sky=(0.1, 0.2, 0.3), image_limit=0)):
         assert export_spec_in(Facts(export_facts(each), "here")) == each

@@ -19,7 +19,10 @@ PLATFORMS = tomllib.loads((ROOT / "blender_manifest.toml").read_text(encoding="u
 TOP_LEVEL = {"__init__.py", "bake.py", "blender_manifest.toml", "CHANGELOG.md", "LICENSE", "NOTICE.md"}
 FOLDERS = {"radtex_addon", "shaders", "wheels"}
 WEB = PurePosixPath("radtex_addon/export/web/built")  # made of shaders/three
-BUILT = {WEB / name for name in ("index.html", "viewer.css", "viewer.js", "LICENSES.txt")}
+BUILT = {
+    WEB / name
+    for name in ("index.html", "viewer.css", "boot.js", "viewer.js", "viewer.js.gz", "LICENSES.txt")
+}
 
 
 def names(zips: dict[str, Path], platform: str) -> set[PurePosixPath]:

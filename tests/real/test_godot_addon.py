@@ -26,7 +26,7 @@ from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.formats.containers.glb import Glb
 from radtex_addon.report.metrics import Picture, display
 from radtex_addon.settings.spec import Kind
-from radtex_addon.textures.export_spec import Arrangement, ExportSpec, Target, TextureFormat
+from radtex_addon.textures.export_spec import Arrangement, ExportSpec, MeshPacking, Target, TextureFormat
 from tests.gltf_schema import EXTENSION_FOLDER
 from tests.real.exhibit import CAMERAS, Camera, Exhibit, Form, decibels
 from tests.real.godot import ALL_RENDERERS, MOBILE, Placed, Shot, filled, pictures, placed, said_by_godot
@@ -45,8 +45,8 @@ QUADRILINEAR = {"filtering": list(Filter).index(Filter.QUADRILINEAR)}
 FIGURES = os.environ.get("RADTEX_FIGURES")
 KTX2 = TextureFormat.KTX2_RGBA16F
 DROPPED = {  # and how many decibels there must be at least
-    "web": (Form.PLAIN, ExportSpec(Target.WEB), LEAST),
-    "web, layered": (Form.LAYERED, ExportSpec(Target.WEB), LEAST),
+    "web": (Form.PLAIN, ExportSpec(Target.WEB, mesh=MeshPacking.PLAIN), LEAST),
+    "web, layered": (Form.LAYERED, ExportSpec(Target.WEB, mesh=MeshPacking.PLAIN), LEAST),
     "gltf": (Form.PLAIN, ExportSpec(Target.GLTF), LEAST),
     "gltf, layered": (Form.LAYERED, ExportSpec(Target.GLTF), LEAST),
     "few levels": (Form.PLAIN, ExportSpec(Target.GLTF, KTX2, levels=3), LEAST),
@@ -196,6 +196,9 @@ def test_what_it_cannot_load_it_names_and_the_flat_lightmap_shows(
     whole = exported(bake.sidecar, ExportSpec(Target.GLTF), tmp_path)
     names = ("scaled", "cut", "missing", "newer")
     exports = {name: Path(shutil.copytree(whole, tmp_path / name)) for name in names}
+    exports["compressed"] = exported(
+        bake.sidecar, ExportSpec(Target.GLTF, mesh=MeshPacking.MESHOPT), tmp_path / "packed"
+    )
     (texture,), (mesh,) = whole.glob("*.ktx2"), whole.glob("*.glb")
     (exports["cut"] / texture.name).write_bytes(texture.read_bytes()[:50])
     (exports["missing"] / texture.name).unlink()
@@ -208,6 +211,9 @@ def test_what_it_cannot_load_it_names_and_the_flat_lightmap_shows(
     missing = f"missing/{texture.name} is missing: copy all files of the export's folder, side by side"
     assert missing in said
     assert "was exported in version 2" in said
+    assert f"{mesh.name.removesuffix('.glb')} is compressed by EXT_meshopt_compression" in said.replace(
+        ".glb", ""
+    )
     assert "Root Scale 2" in said
     (picture,) = pictures(root, place, "Forward+", [Shot(FRONT)], "missing")
     found = decibels(picture, flat_picture(bake, next(whole.glob("*.flat.png"))), bake.eroded(FRONT))

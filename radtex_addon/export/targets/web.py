@@ -14,7 +14,7 @@ from ..pack import Pack, ScenePack
 from . import Writer
 
 BUILT = Path(__file__).parents[1] / "web" / "built"  # made by .ci/build_web.py of shaders/three
-FILES = ("index.html", "viewer.css", "viewer.js", "LICENSES.txt")
+FILES = ("index.html", "viewer.css", "boot.js", "viewer.js", "viewer.js.gz", "LICENSES.txt")
 # The first picture needs these: browsers fetch them while they still load the page's script.
 _PRELOAD = '<link rel="preload" href="{}" as="fetch" crossorigin />'
 _UNNAMED = '<meta name="radtex-bake" content="" />'
@@ -34,7 +34,10 @@ def write_web(pack: Pack | ScenePack, folder: Path) -> None:
         shutil.copyfile(BUILT / name, folder / name)
     page = folder / "index.html"
     manifest, mesh = _address(f"{pack.name}.{EXTENSION}"), _address(f"{pack.name}.glb")
-    named = [_UNNAMED.replace('""', f'"{manifest}"'), *(_PRELOAD.format(file) for file in (manifest, mesh))]
+    first = [manifest, mesh]
+    if isinstance(pack, Pack) and pack.manifest.images:
+        first.append(_address(pack.manifest.flat))  # else it is in the .glb
+    named = [_UNNAMED.replace('""', f'"{manifest}"'), *(_PRELOAD.format(file) for file in first)]
     text = page.read_text(encoding="utf-8").replace(_UNNAMED, "\n    ".join(named))
     page.write_text(text, encoding="utf-8", newline="\n")
 

@@ -30,7 +30,7 @@ _TYPES: dict[int, np.dtype[Any]] = {
     5126: np.dtype("<f4"),
 }
 _COMPONENTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
-_ARRAY_BUFFER = 34962
+ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER = 34962, 34963
 
 Values = npt.NDArray[Any]
 
@@ -61,7 +61,8 @@ class Glb:
 
     def write(self, path: Path) -> None:
         """Write the file directly to `path`. Raises OSError where the system refuses."""
-        self.document["buffers"] = [{"byteLength": len(self.buffer)}]
+        others = self.document.get("buffers", [])[1:]
+        self.document["buffers"] = [{"byteLength": len(self.buffer)}, *others]
         text = json.dumps(self.document, separators=(",", ":"), ensure_ascii=False).encode()
         chunks = _chunk(_JSON, text, b" ") + _chunk(_BINARY, bytes(self.buffer), b"\0")
         path.write_bytes(struct.pack("<4sII", _MAGIC, _VERSION, 12 + len(chunks)) + chunks)
@@ -76,6 +77,8 @@ class Glb:
             accessor = self.document["accessors"][index]
             view = self.document["bufferViews"][accessor["bufferView"]]
             dtype, width = _TYPES[accessor["componentType"]], _COMPONENTS[accessor["type"]]
+            if view.get("buffer", 0) != 0:
+                raise FormatError(f"{self.source} is compressed by {', '.join(view.get('extensions', {}))}")
             numbers = [view.get("byteOffset", 0), accessor.get("byteOffset", 0), accessor["count"]]
             stride = view.get("byteStride", width * dtype.itemsize)
         except (LookupError, TypeError, AttributeError) as error:
@@ -122,7 +125,7 @@ class Glb:
         padded = np.pad(stored, ((0, 0), (0, filler)))
         stride = {"byteStride": size + filler * number.itemsize} if filler else {}
         accessor = {
-            "bufferView": self.add_view(padded.tobytes(), **stride, target=_ARRAY_BUFFER),
+            "bufferView": self.add_view(padded.tobytes(), **stride, target=ARRAY_BUFFER),
             "componentType": next(code for code, each in _TYPES.items() if each == number),
             **({"normalized": True} if whole else {}),
             "count": len(stored),
@@ -130,6 +133,36 @@ class Glb:
         }
         if bounds:
             accessor |= {"min": stored.min(axis=0).tolist(), "max": stored.max(axis=0).tolist()}
+        accessors = self.document.setdefault("accessors", [])
+        accessors.append(accessor)
+        return len(accessors) - 1
+
+    def rows(self, index: int) -> npt.NDArray[np.uint8]:
+        """The bytes of an accessor of vertices that `add_vertices` made, or Blender: (N, stride)."""
+        accessor = self.document["accessors"][index]
+        view = self.document["bufferViews"][accessor["bufferView"]]
+        begin = view.get("byteOffset", 0)
+        data = np.frombuffer(self.buffer[begin : begin + view["byteLength"]], np.uint8)
+        return data.reshape(accessor["count"], -1)
+
+    def add_rows(self, like: int, rows: npt.NDArray[np.uint8]) -> int:
+        """Append vertices (N, stride), bytes as of the accessor `like`; returns the index of theirs."""
+        former = self.document["accessors"][like]
+        view = self.document["bufferViews"][former["bufferView"]]
+        facts = {key: view[key] for key in ("byteStride", "target") if key in view}
+        accessors = self.document["accessors"]
+        accessors.append({**former, "bufferView": self.add_view(rows.tobytes(), **facts), "count": len(rows)})
+        return len(accessors) - 1
+
+    def add_indices(self, indices: Values) -> int:
+        """Append numbers of vertices (N,), of 16 bits if these suffice; returns their accessor's index."""
+        number = np.dtype("<u2" if indices.max(initial=0) < 0xFFFF else "<u4")
+        accessor = {
+            "bufferView": self.add_view(indices.astype(number).tobytes(), target=ELEMENT_ARRAY_BUFFER),
+            "componentType": next(code for code, each in _TYPES.items() if each == number),
+            "count": len(indices),
+            "type": "SCALAR",
+        }
         accessors = self.document.setdefault("accessors", [])
         accessors.append(accessor)
         return len(accessors) - 1

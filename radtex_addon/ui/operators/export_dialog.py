@@ -104,6 +104,8 @@ def applicable(
     takes_ktx2 = any(taken.startswith(_KTX2) for taken in traits.formats)
     if takes_ktx2 and (form == "auto" or form.startswith(_KTX2)):
         names.add("zstd")
+    if len(traits.meshes) > 1:
+        names.add("mesh")
     if all(form.arranges for form in forms):
         names |= {"arrangement", "levels"}
     mirrored = {kind for kind, row in TABLE.items() if row.looks_at_surface}
@@ -200,7 +202,7 @@ def _draw_advanced(layout: Any, settings: Any, shown: frozenset[str]) -> None:
     row.prop(settings, "advanced", icon=icon, emboss=False)
     if settings.advanced:
         column = layout.column()
-        for name in ("format", "zstd", "arrangement", "levels", "limit"):
+        for name in ("format", "zstd", "arrangement", "levels", "limit", "mesh"):
             if name in shown:
                 column.prop(settings, name)
 

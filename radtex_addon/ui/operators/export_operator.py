@@ -47,6 +47,16 @@ ARRANGEMENTS = (
     ("slices", "Slices", "An array with a layer for each cell, which a GPU blends between texels by itself"),
 )
 
+MESHES = (
+    ("auto", "Automatic", "Compressed for the web, plain for programs that may not know the extension"),
+    (
+        "meshopt",
+        "Compressed",
+        "By EXT_meshopt_compression: a third of the bytes. three.js and Babylon.js read it, Blender does not",
+    ),
+    ("plain", "Plain", "Numbers alone, which more programs read"),
+)
+
 _MIRRORS = " and ".join(each.traits.called or each.traits.title for each in Target if each.traits.mirror)
 
 
@@ -64,6 +74,7 @@ class RADTEX_OT_export(MayWait, OfBake, bpy.types.Operator):
         arrangement: str
         levels: int
         limit: int
+        mesh: str
         mirror: bool
         as_scene: bool
         scene_name: str
@@ -109,6 +120,12 @@ class RADTEX_OT_export(MayWait, OfBake, bpy.types.Operator):
             default=0,
             min=0,
             soft_max=16384,
+        )
+        mesh: EnumProperty(
+            name="Mesh",
+            description="How the .glb stores vertices and triangles",
+            items=MESHES,
+            default="auto",
         )
         mirror: BoolProperty(
             name="Mirror Ball",
@@ -227,8 +244,9 @@ class RADTEX_OT_export(MayWait, OfBake, bpy.types.Operator):
         """What OK would do; worked out anew after a change only."""
         from ...core.errors import RadTexError
 
-        names = ("target", "format", "zstd", "arrangement", "levels", "limit", "mirror", "directory", "into")
-        key = tuple(getattr(self, name) for name in (*names, "as_scene", "scene_name"))
+        stored = ("target", "format", "zstd", "arrangement", "levels", "limit", "mesh", "mirror")
+        names = (*stored, "directory", "into", "as_scene", "scene_name")
+        key = tuple(getattr(self, name) for name in names)
         if self._plan is None or self._plan[0] != key:
             scene = self._scene_name()
             try:
@@ -262,9 +280,9 @@ class RADTEX_OT_export(MayWait, OfBake, bpy.types.Operator):
 
     def _spec(self) -> ExportSpec:
         """The specification; settings that the dialog does not show are left out of one that it asked for."""
-        from ...textures.export_spec import Arrangement, ExportSpec, Target, TextureFormat
+        from ...textures.export_spec import Arrangement, ExportSpec, MeshPacking, Target, TextureFormat
 
-        names = {"format", "zstd", "arrangement", "levels", "limit", "mirror"}
+        names = {"format", "zstd", "arrangement", "levels", "limit", "mesh", "mirror"}
         scene = self._scene_name() is not None
         used = applicable(self._sources, self.target, self.format, scene) if self._sources else names
         return ExportSpec(
@@ -275,6 +293,7 @@ class RADTEX_OT_export(MayWait, OfBake, bpy.types.Operator):
             levels=(self.levels or None) if "levels" in used else None,
             limit=self.limit or None,
             mirror=self.mirror and "mirror" in used,
+            mesh=MeshPacking(self.mesh if "mesh" in used else "auto"),
         )
 
     def _scene_name(self) -> str | None:

@@ -32,6 +32,7 @@ LABELS: dict[str, str] = {
     Setting.FORMAT: "Format",
     Setting.LEVELS: "Mip Levels",
     Setting.LIMIT: "Limit",
+    Setting.MESH: "Mesh",
     Setting.MEMORY: "Memory (MB), in RadTex's preferences",
     Setting.OBJECT: "Object",
     Setting.OVERWRITE_ANY: "Overwrite Any",

@@ -7,6 +7,8 @@ import { Requests } from "./requests.js";
 
 export { fileName } from "./problem.js";
 
+const BEGINNING = 64; // bytes that tell a web page from a file of ours
+
 /** The address of a file that lies beside the manifest. */
 export function fileUrl(file: string, manifest: URL): URL {
   return new URL(encodeURIComponent(file), manifest);
@@ -24,10 +26,67 @@ export async function fetchBytes(
     bytes = new Uint8Array(await response.arrayBuffer());
   } catch {
     requests.check(url);
-    throw new Problem(`${fileName(url)} came only in part`, "The connection broke: reload the page.");
+    throw inPart(url);
   }
   checkBeginning(bytes, url);
   return bytes;
+}
+
+/** A file that can be read while it comes. Throws as `fetchBytes` does. */
+export async function fetchArriving(
+  url: URL,
+  priority: RequestPriority = "auto",
+  requests = new Requests(),
+): Promise<Arriving> {
+  const response = await answer(url, priority, requests);
+  const file = new Arriving(url, response.body, requests);
+  checkBeginning(await file.first(BEGINNING), url);
+  return file;
+}
+
+/** The bytes of a file that have come so far. */
+export class Arriving {
+  private bytes = new Uint8Array(1 << 16);
+  private come = 0;
+  private readonly reader: ReadableStreamDefaultReader<Uint8Array> | undefined;
+
+  constructor(
+    private readonly url: URL,
+    body: ReadableStream<Uint8Array> | null,
+    private readonly requests: Requests,
+  ) {
+    this.reader = body?.getReader();
+  }
+
+  /** The file's first bytes: so many, or all if it has fewer. Throws as `fetchBytes` where the connection breaks. */
+  async first(count: number): Promise<Uint8Array<ArrayBuffer>> {
+    while (this.come < count) {
+      const { done, value } = (await this.reader?.read().catch(() => this.broken())) ?? { done: true };
+      if (done || !value) break;
+      this.add(value);
+    }
+    return this.bytes.subarray(0, Math.min(count, this.come));
+  }
+
+  private add(part: Uint8Array): void {
+    const length = this.come + part.length;
+    if (length > this.bytes.length) {
+      const larger = new Uint8Array(Math.max(length, 2 * this.bytes.length));
+      larger.set(this.bytes.subarray(0, this.come));
+      this.bytes = larger;
+    }
+    this.bytes.set(part, this.come);
+    this.come = length;
+  }
+
+  private broken(): never {
+    this.requests.check(this.url);
+    throw inPart(this.url);
+  }
+}
+
+function inPart(url: URL): Problem {
+  return new Problem(`${fileName(url)} came only in part`, "The connection broke: reload the page.");
 }
 
 /** The server's answer, where it has the file. Throws a Problem otherwise. */
@@ -56,7 +115,7 @@ async function answer(url: URL, priority: RequestPriority, requests: Requests): 
 
 /** Throws a Problem for what servers send in the place of a file: none of an export's begins so. */
 function checkBeginning(bytes: Uint8Array, url: URL): void {
-  const beginning = new TextDecoder().decode(bytes.subarray(0, 64)).trimStart();
+  const beginning = new TextDecoder().decode(bytes.subarray(0, BEGINNING)).trimStart();
   if (!bytes.length) throw new Problem(`${fileName(url)} is empty`, "Copy it once more, or export again.");
   if (beginning.startsWith("<")) {
     throw new Problem(

@@ -87,9 +87,10 @@ export async function loadRadTexScene(address: string | URL, options: LoadOption
     );
   }
   const manifests = manifest.scene;
-  const loading = loadAll(manifests, url, device, { ...options, requests });
+  const asked = { ...options, requests };
+  const load = (): Promise<Textures>[] => loadAll(manifests, url, device, asked);
   const mesh = fileUrl(manifest.mesh, url);
-  const { root } = await loadMeshFile(mesh, requests);
+  const [{ root, images }, loading] = await afterMesh(mesh, requests, load);
   const parts = await Promise.all(
     manifests.map(async (part) => {
       const { parts: meshes, map } = bakeBelow(nodeOf(root, part.node, mesh), mesh);
@@ -100,6 +101,7 @@ export async function loadRadTexScene(address: string | URL, options: LoadOption
   object.name = manifest.name;
   object.add(...parts);
   const taken = async (coming: Promise<Textures>[]): Promise<void> => {
+    await images;
     await Promise.all(parts.map((part, place) => completed(part, alone(coming[place] as Promise<Textures>))));
   };
   const reload = oneAtATime(() => taken(loadAll(manifests, url, device, again(options))));
@@ -152,30 +154,40 @@ async function loadOne(
   early: MeshFile | null = null,
 ): Promise<RadTex> {
   const lamps = options.lamps ?? {};
-  const load = (asked: LoadOptions): Promise<[Textures, ...Bake[]]> =>
-    Promise.all([
+  const load = (asked: LoadOptions): Promise<[Textures, ...Bake[]]> => {
+    const loading = Promise.all([
       loadTextures(manifest, url, device, asked),
       ...Object.values(lamps).map((lamp) => loadLamp(addressOf(lamp), manifest, device, asked.requests)),
     ]).then((loaded) => {
       checkCount(manifest, loaded.slice(1) as Bake[], device);
       return loaded;
     });
-  const textures = load(options);
-  textures.catch(() => undefined); // `complete` tells it
+    loading.catch(() => undefined); // `complete` tells it
+    return loading;
+  };
   const mesh = fileUrl(manifest.mesh, url);
-  const { root } = early ?? (await loadMeshFile(mesh, options.requests));
+  const [{ root, images }, textures] = early
+    ? [early, load(options)]
+    : await afterMesh(mesh, options.requests, () => load(options));
   const { parts, map } = bakeBelow(root, mesh);
   const flat = map ?? (await flatOf(manifest, url, options.requests));
   const object = new RadTexObject(manifest, parts, flat, Object.keys(lamps));
   const reload = oneAtATime(() => completed(object, load(again(options))));
   known(object, url, options, reload);
-  return { object, manifest, complete: completed(object, textures), reload };
+  return { object, manifest, complete: completed(object, images.then(() => textures)), reload };
 }
 
 /** An address relative to the page. Throws a Problem where it is none. */
 function addressOf(address: string | URL): URL {
   if (URL.canParse(address, document.baseURI)) return new URL(address, document.baseURI);
   throw new Problem(`“${address}” is no address`, "Give that of a NAME.export.json or NAME.glb, relative to the page.");
+}
+
+/** The mesh, and what `load` gives; that begins when the mesh has come, which is seen first. */
+async function afterMesh<T>(url: URL, requests: Requests | undefined, load: () => T): Promise<[MeshFile, T]> {
+  let loading: T | undefined;
+  const file = await loadMeshFile(url, requests, () => (loading = load()));
+  return [file, loading as T];
 }
 
 /** What a .glb says of its bake, and its contents. */

@@ -9,11 +9,12 @@ import {
   type MeshBasicMaterial,
   MeshStandardMaterial,
   type Object3D,
-  type Texture,
+  Texture,
 } from "three";
+import { MeshoptDecoder } from "three/addons/libs/meshopt_decoder.module.js";
 import { type GLTF, GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 
-import { fetchBytes, fileName } from "./fetching.js";
+import { type Arriving, fetchArriving, fileName } from "./fetching.js";
 import type { Manifest } from "./manifest.js";
 import { Problem } from "./problem.js";
 import type { MaterialImages } from "./parts.js";
@@ -21,6 +22,16 @@ import type { BakedMesh } from "./radtex_object.js";
 import type { Requests } from "./requests.js";
 
 export const EXTENSION = "RADTEX_radiance_texture";
+const UNLIT = "KHR_materials_unlit";
+const MESHOPT = "EXT_meshopt_compression";
+const READ = ["KHR_mesh_quantization", MESHOPT];
+const MAGIC = 0x46546c67;
+const JSON_CHUNK = 0x4e4f534a;
+const BINARY_CHUNK = 0x004e4942;
+const HEAD = 20; // bytes before a .glb's JSON
+const CHUNK = 8; // and before what is in a further chunk
+const PIXEL = // a white one
+  "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAAAAAA6fptVAAAACklEQVR42mP4DwABAQEAHLCMmQAAAABJRU5ErkJggg==";
 
 /** One bake of a .glb: its meshes, and the flat lightmap's texture, which lies beside it where materials are images. */
 export interface MeshOfBake {
@@ -30,31 +41,62 @@ export interface MeshOfBake {
 
 /** The part of a .glb's JSON that is read here. */
 interface Document {
+  buffers: { byteLength: number }[];
+  bufferViews: ViewOfFile[];
+  extensionsRequired: string[];
+  images: { bufferView?: number; mimeType?: string; name?: string; uri?: string }[];
   materials: MaterialOfFile[];
+  textures: { source?: number }[];
+}
+
+interface ViewOfFile {
+  buffer: number;
+  byteOffset?: number;
+  byteLength: number;
+  extensions?: Record<string, ViewOfFile>;
 }
 
 interface MaterialOfFile {
-  pbrMetallicRoughness: { baseColorTexture?: { extensions?: Record<string, Manifest> } };
+  extensions?: Record<string, unknown>;
+  pbrMetallicRoughness: { baseColorTexture?: { index: number; extensions?: Record<string, Manifest> } };
 }
 
 /** A .glb: its objects, and what our extension says of each material. */
 export interface MeshFile {
   root: Object3D;
   factsOf: (material: Material) => Manifest | undefined;
+  /** Fulfilled when materials have their own images, which may come after the mesh; before, each is one pixel. */
+  images: Promise<void>;
 }
 
-/** Fetch and read a .glb. Throws a Problem where it is missing or damaged. */
-export async function loadMeshFile(url: URL, requests?: Requests): Promise<MeshFile> {
-  const bytes = await fetchBytes(url, "high", requests);
+/**
+ * Fetch and read a .glb, of which the images of materials may come later. Throws a Problem where it is missing or damaged.
+ *
+ * `came` is called when the mesh has come, before it is read.
+ */
+export async function loadMeshFile(
+  url: URL,
+  requests?: Requests,
+  came: () => void = () => undefined,
+): Promise<MeshFile> {
+  const file = await fetchArriving(url, "high", requests);
   let gltf: GLTF;
+  let late: LateImages | null = null;
   try {
-    gltf = await new GLTFLoader(ofItself()).parseAsync(bytes.buffer, "");
-  } catch {
-    throw new Problem(`${fileName(url)} is damaged: it cannot be read as glTF`, "Copy it once more, or export again.");
+    late = await LateImages.of(file);
+    const bytes = late ? await late.meshAlone() : (await file.first(Infinity)).slice();
+    came();
+    gltf = await new GLTFLoader(ofItself()).setMeshoptDecoder(MeshoptDecoder).parseAsync(bytes.buffer, "");
+  } catch (error) {
+    throw error instanceof Problem ? error : damaged(url, await requiredBy(file));
   }
   const { parser, scene } = gltf;
+  const images = Promise.resolve(late?.into(parser.associations)).catch((error: unknown) => {
+    throw error instanceof Problem ? error : damaged(url, []);
+  });
+  images.catch(() => undefined); // whoever waits for them is told
   scene.updateMatrixWorld(true);
-  return { root: scene, factsOf: factsIn(parser) };
+  return { root: scene, factsOf: factsIn(parser), images };
 }
 
 /** What our extension says of a material that a parser of GLTFLoader's made; nobody has checked it. */
@@ -65,6 +107,107 @@ export function factsIn(parser: GLTF["parser"]): (material: Material) => Manifes
     const found = number === undefined ? undefined : materials[number];
     return found?.pbrMetallicRoughness?.baseColorTexture?.extensions?.[EXTENSION];
   };
+}
+
+/** Why a file that came could not be read; `required` are the extensions that it says it needs. */
+function damaged(url: URL, required: readonly string[]): Problem {
+  const other = required.filter((name) => !READ.includes(name));
+  if (!other.length) {
+    return new Problem(`${fileName(url)} is damaged: it cannot be read as glTF`, "Copy it once more, or export again.");
+  }
+  return new Problem(
+    `${fileName(url)} needs ${other.join(" and ")}, which is not read here`,
+    `Store the mesh without it: ${READ.join(" and ")} are read, which an export for the web has.`,
+  );
+}
+
+async function requiredBy(file: Arriving): Promise<string[]> {
+  try {
+    const { document } = await headOf(file);
+    return document.extensionsRequired ?? [];
+  } catch {
+    return [];
+  }
+}
+
+/** The JSON of a .glb, and where its binary chunk begins. Throws for a file that is none. */
+async function headOf(file: Arriving): Promise<{ document: Partial<Document>; begin: number }> {
+  const head = await file.first(HEAD);
+  const numbers = new DataView(head.buffer, head.byteOffset, head.byteLength);
+  if (numbers.getUint32(0, true) !== MAGIC) throw new Error("it is no .glb");
+  const length = numbers.getUint32(12, true);
+  const text = (await file.first(HEAD + length)).subarray(HEAD);
+  if (text.length !== length) throw new Error("it is cut short");
+  return { document: JSON.parse(new TextDecoder().decode(text)) as Partial<Document>, begin: HEAD + length + CHUNK };
+}
+
+/** The images at the end of a .glb that are not needed to draw its mesh with the flat lightmap. */
+class LateImages {
+  private constructor(
+    private readonly file: Arriving,
+    private readonly document: Document,
+    private readonly begin: number,
+    private readonly end: number,
+    private readonly late: ReadonlySet<number>,
+  ) {}
+
+  /** Those of a file that is coming; null if there are none. Throws for a file that is damaged. */
+  static async of(file: Arriving): Promise<LateImages | null> {
+    const { document: found, begin } = await headOf(file);
+    const { bufferViews: views = [], images = [], materials = [], textures = [] } = found;
+    const flat = materials.flatMap(({ extensions, pbrMetallicRoughness }) => {
+      const index = extensions?.[UNLIT] ? pbrMetallicRoughness?.baseColorTexture?.index : undefined;
+      return index === undefined ? [] : [textures[index]?.source];
+    });
+    const late = new Set(images.flatMap((image, at) => (image.bufferView === undefined || flat.includes(at) ? [] : [at])));
+    const behind = new Set([...late].map((at) => images[at]?.bufferView));
+    const ends = views.flatMap((view, at) => {
+      const { buffer, byteOffset = 0, byteLength } = view.extensions?.[MESHOPT] ?? view;
+      return behind.has(at) || buffer ? [] : [byteOffset + byteLength];
+    });
+    const document = { ...found, bufferViews: views, images, textures } as Document;
+    return late.size ? new LateImages(file, document, begin, Math.max(0, ...ends), late) : null;
+  }
+
+  /** The .glb with a pixel in the place of each of them. */
+  async meshAlone(): Promise<Uint8Array<ArrayBuffer>> {
+    const { begin, document, end, file, late } = this;
+    const binary = (await file.first(begin + end)).subarray(begin);
+    if (binary.length !== end) throw new Error("it is cut short");
+    const images = document.images.map((image, at) => (late.has(at) ? { name: image.name, uri: PIXEL } : image));
+    const [, ...others] = document.buffers;
+    const json = { ...document, images, buffers: [{ byteLength: end }, ...others] };
+    const text = new TextEncoder().encode(JSON.stringify(json));
+    const [jsonLength, binaryLength] = [text, binary].map(({ length }) => Math.ceil(length / 4) * 4) as [number, number];
+    const bytes = new Uint8Array(HEAD + jsonLength + CHUNK + binaryLength);
+    const words = new DataView(bytes.buffer);
+    [MAGIC, 2, bytes.length, jsonLength, JSON_CHUNK].forEach((word, at) => words.setUint32(4 * at, word, true));
+    bytes.fill(0x20, HEAD, HEAD + jsonLength);
+    bytes.set(text, HEAD);
+    words.setUint32(HEAD + jsonLength, binaryLength, true);
+    words.setUint32(HEAD + jsonLength + 4, BINARY_CHUNK, true);
+    bytes.set(binary, HEAD + jsonLength + CHUNK);
+    return bytes;
+  }
+
+  /** Give textures that a GLTFLoader made of `meshAlone` their pictures, when all have come. */
+  async into(made: GLTF["parser"]["associations"]): Promise<void> {
+    const bytes = await this.file.first(Infinity);
+    const pictures = new Map<number, ImageBitmap>();
+    for (const at of this.late) {
+      const { bufferView, mimeType = "" } = this.document.images[at] as Document["images"][number];
+      const { byteOffset = 0, byteLength } = this.document.bufferViews[bufferView as number] as ViewOfFile;
+      const data = bytes.subarray(this.begin + byteOffset, this.begin + byteOffset + byteLength);
+      const untouched = { colorSpaceConversion: "none", premultiplyAlpha: "none" } as const;
+      pictures.set(at, await createImageBitmap(new Blob([data], { type: mimeType }), untouched));
+    }
+    for (const [texture, { textures: number }] of made) {
+      const picture = number === undefined ? undefined : pictures.get(this.document.textures[number]?.source as number);
+      if (!picture || !(texture instanceof Texture)) continue;
+      texture.image = picture;
+      texture.needsUpdate = true;
+    }
+  }
 }
 
 /** Lets a .glb have what is inside it alone, as RadTex writes it: a stranger's may name any server. */

@@ -11,6 +11,7 @@ const Materials := preload("materials.gd")
 const Textures := preload("textures.gd")
 const EXTENSION := "RADTEX_radiance_texture"
 const QUANTIZATION := "KHR_mesh_quantization"  ## Godot reads such vertices, but does not say so.
+const MESHOPT := "EXT_meshopt_compression"
 const BAKED := &"radtex_baked"  ## Metadata of a mesh with such materials.
 const FOUND := &"radtex"  ## Additional data of a GLTFState: new materials, by their numbers in the file.
 
@@ -18,6 +19,11 @@ const FOUND := &"radtex"  ## Additional data of a GLTFState: new materials, by t
 func _import_preflight(state: GLTFState, extensions: PackedStringArray) -> Error:
 	if EXTENSION not in extensions:
 		return ERR_SKIP
+	if MESHOPT in extensions:
+		push_error("%s is compressed by %s, which Godot does not read: export it for Godot, or with a plain mesh" % [
+			state.filename, MESHOPT
+		])
+		return ERR_UNAVAILABLE
 	var found := {}
 	var textures := Textures.new(state.base_path)
 	var listed := _materials_of(state.json)
