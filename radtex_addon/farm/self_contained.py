@@ -10,6 +10,7 @@ from __future__ import annotations
 import logging
 import os
 import shutil
+from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -107,24 +108,23 @@ class Luggage:
 def make_local() -> tuple[Carried, ...]:
     """Make everything that is linked or overridden local; returns the library files.
 
-    Raises InputError for an object that would lose its name, by which bakes find it, and which its materials
-    may read.
+    Raises InputError for an object of a scene that loses its name, by which bakes find it, and which its
+    materials may read.
     """
+    shown = _shown()
     linked = list(_linked())
     while linked:
         for block in linked:
-            name, library = block.name, block.library
-            local = block.make_local(clear_liboverride=True)
-            if isinstance(local, bpy.types.Object) and local.name != name:
-                of = "an override" if library is None else f"linked from {library.filepath}"
-                raise InputError(
-                    f"object '{name}' ({of}) has the name of another object, and what is prepared for a farm "
-                    "has no libraries: rename one of them"
-                )
+            block.make_local(clear_liboverride=True)
         left = list(_linked())
         if len(left) == len(linked):  # what nothing local uses
             break
         linked = left
+    if renamed := shown - _shown():
+        raise InputError(
+            f"object '{min(renamed)}' has the name of another object, one of which is linked, and what is "
+            "prepared for a farm has no libraries: rename one of them"
+        )
     libraries: Any = bpy.data.libraries
     found = tuple(
         Carried(
@@ -136,6 +136,11 @@ def make_local() -> tuple[Carried, ...]:
     for library in list(libraries):
         libraries.remove(library)
     return found
+
+
+def _shown() -> Counter[str]:
+    """How many objects of each name are in scenes; there are several only of different files."""
+    return Counter(item.name for scene in bpy.data.scenes for item in scene.collection.all_objects)
 
 
 @dataclass(frozen=True)
@@ -177,12 +182,10 @@ def _keep_needed_objects() -> None:
     Without it they were taken for unused data, and what they move or shape would look otherwise.
     """
     users = bpy.data.user_map()
-    kept: set[Any] = {item for item in bpy.data.objects if item.users_collection}
-    left = set(bpy.data.objects) - kept
-    while found := {item for item in left if users[item] & kept}:
+    left = {item for item in bpy.data.objects if not item.users_collection}
+    while found := {item for item in left if users[item] - left}:
         for item in found:
             item.use_fake_user = True
-        kept |= found
         left -= found
 
 

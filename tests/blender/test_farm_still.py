@@ -193,9 +193,42 @@ def test_an_object_that_would_lose_its_name_is_named(
     shown: Any = bpy.context.scene
     for item in (bpy.data.objects["Linked"], bpy.data.objects.new("Linked", None)):
         shown.collection.objects.link(item)
-    with pytest.raises(InputError, match=r"object 'Linked' \(linked from .*library\.blend\) has the name of"):
+    with pytest.raises(
+        InputError, match="object 'Linked' has the name of another object, one of which is linked"
+    ):
         prepared(shown, SPEC, out)
     assert not list(out.iterdir())
+
+
+@pytest.mark.parametrize("overridden", [False, True])
+def test_a_linked_collection_keeps_its_names(
+    scene: bpy.types.Scene, out: Path, tmp_path: Path, overridden: bool
+) -> None:
+    """Parents are linked, too: an override has its reference's name, a child keeps its parent."""
+    library = tmp_path / "library.blend"
+    parent, child = _other(), _other()
+    parent.name, child.name, child.parent = "Ball", "Knob", parent
+    things = bpy.data.collections.new("Things")
+    for item in (parent, child):
+        things.objects.link(item)
+    bpy.data.libraries.write(str(library), {things})
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    stage.world()
+    libraries: Any = bpy.data.libraries
+    with libraries.load(str(library), link=True) as (_, wanted):
+        wanted.collections = ["Things"]
+    shown: Any = bpy.context.scene
+    linked: Any = bpy.data.collections["Things"]
+    shown.collection.children.link(linked)
+    if overridden:
+        linked.override_hierarchy_create(shown, bpy.context.view_layer)
+        shown.collection.children.unlink(linked)  # as the command in the Outliner does
+    bpy.ops.mesh.primitive_cube_add()
+    bpy.context.object.name = BOX
+    farm = prepared(shown, SPEC, out)
+    _open(farm)
+    assert {"Ball", "Knob"} < {item.name for item in bpy.context.scene.objects}
+    assert bpy.context.scene.objects["Knob"].parent is not None
 
 
 def _make_library(path: Path) -> None:
