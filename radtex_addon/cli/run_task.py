@@ -65,7 +65,7 @@ def _do_all(farm: TaskFarm, report: Report, interruption: Interruption) -> None:
         ready = [task for task in left if names.isdisjoint(task.needs) and task.name not in given_up]
         if not ready:
             break
-        for task in sorted(ready, key=lambda task: -chain[task.name]):
+        for task in sorted(ready, key=lambda task: (farm.lacks_pictures(task), -chain[task.name])):
             with claimed(farm, task.name, claims) as own:
                 if not own or farm.is_done(task.name):
                     continue

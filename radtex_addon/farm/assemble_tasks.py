@@ -15,6 +15,7 @@ from ..bake.piece_store import PieceStore
 from ..bake.progress import Stage, Stopwatch
 from ..core.errors import BakeError, FormatError
 from ..formats.disk.atomic import check_writable, refusal
+from ..formats.disk.regular import digest
 from ..forms.layered.capture.parts import Part
 from ..job.baking import BakeResult, bake_unchecked, finished_baker
 from ..job.previews import save_preview_of
@@ -64,12 +65,19 @@ def assemble_tasks_steps(
     check_writable(out)
     replaces = Overwrite(overwrite, overwrite_any, Path(farm.blend))
     places = [_place(farm, bake, out) for bake in bakes]
-    for place in places:
+    there = [_is_there(farm, bake, place) for bake, place in zip(bakes, places, strict=True)]
+    for place in (place for place, is_there in zip(places, there, strict=True) if not is_there):
         place.check_may_write(replaces)
-    made = [_write(farm, bake, place, replaces) for bake, place in zip(bakes, places, strict=True)]
+    made = [
+        BakeOutput.of(farm.done(bake.last).result, place.files)
+        if is_there
+        else _write(farm, bake, place, replaces)
+        for bake, place, is_there in zip(bakes, places, there, strict=True)
+    ]
     if farm.preview is not None:
-        for bake, output in zip(bakes, made, strict=True):
-            yield from _save_preview(farm, bake, output)
+        for bake, output, is_there in zip(bakes, made, there, strict=True):
+            if not is_there:
+                yield from _save_preview(farm, bake, output)
     return tuple(
         Assembled(bake.name, bake.spec, BakeResult(**vars(output), seconds=_seconds(farm, bake)))
         for bake, output in zip(bakes, made, strict=True)
@@ -108,6 +116,15 @@ def _finished(farm: TaskFarm, some: bool) -> Generator[FarmStep, None, list[Farm
             raise TasksLeftError(message, len(finished))
         log.warning("%s", message)
     return finished
+
+
+def _is_there(farm: TaskFarm, bake: FarmBake, place: BakeFolder) -> bool:
+    """Whether a bake's files, and its preview, were joined before, as when only some bakes were done."""
+    sidecar, files = place.files.sidecar, farm.done(bake.last).files
+    targets = {sidecar.with_name(name): known for name, known in files.items()}
+    is_whole = all(path.is_file() and digest(path) == known for path, known in targets.items())
+    preview = place.files.preview
+    return is_whole and (preview is None or preview.is_file())
 
 
 def _write(farm: TaskFarm, bake: FarmBake, place: BakeFolder, replaces: Overwrite) -> BakeOutput:

@@ -245,7 +245,7 @@ def _is_held(volume: Any) -> bool:
 def _copy_volume(volume: Any, folder: Path, luggage: Luggage, shared: Path | None) -> str:
     source = Path(bpy.path.abspath(volume.filepath, library=volume.library))
     if shared is not None and source.parent.resolve() == (shared / FILES).resolve():
-        name = Path(os.path.relpath(source, folder)).as_posix()
+        name = Path(os.path.relpath(source.resolve(), folder.resolve())).as_posix()
         volume.filepath = f"//{name}"
         return name
     name = f"{FILES}/{volume.session_uid}-{source.name}"

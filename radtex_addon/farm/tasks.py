@@ -184,6 +184,11 @@ class TaskFarm:
             *(replace(task, needs=(*task.needs, *self._pictures(task))) for task in self.tasks),
         )
 
+    def lacks_pictures(self, task: Task) -> bool:
+        """Whether frames that a task needs are not rendered yet."""
+        wanted = self._pictures(task) if self.frames_of(task) else ()
+        return any(not (self.folder / picture).is_file() for picture in wanted)
+
     def _pictures(self, task: Task) -> list[str]:
         """The pictures of frames that a task needs."""
         found = (one for one in self.frames if (one.bake, one.part) == (task.bake, task.part))

@@ -149,6 +149,11 @@ def test_the_bakes_that_are_done_are_joined_without_the_others(
     assert [(one.name, one.spec.kind) for one in made] == [(PLATE, Kind.RADIANCE), (PLATE, Kind.SHADOW)]
     assert f"1 of {len(farm.tasks)} tasks are not done: {BALL}.bake; do them: " in caplog.text
     assert not list(out.glob(f"{BALL}*"))
+    before = {path: path.stat().st_mtime_ns for path in out.iterdir()}
+    do(farm, [f"{BALL}.bake"])
+    assemble(farm, out)  # what is there stays as it is
+    assert {path: path.stat().st_mtime_ns for path in before} == before
+    assert (out / f"{BALL}.radiance.json").is_file()
     for bake in farm.bakes:
         farm.set_undone(bake.last)
     with pytest.raises(TasksLeftError, match="3 of"):

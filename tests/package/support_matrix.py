@@ -95,7 +95,7 @@ def _farmed(row: dict[str, Any]) -> None:
 
 def _framed(row: dict[str, Any]) -> str | None:
     if has_frames(_made(row)):
-        return f"{' and '.join(PARTS)}: most of its paths"
+        return f"in part: its {' and '.join(PARTS)}"
     check_farmable(_made(row))
     return None
 

@@ -19,7 +19,7 @@ const JOB_TYPE = {
           description: "The farm's folder, as workers see it" },
         // A line for each task: its name, and the names of those that it needs, and of their pictures.
         { key: "tasks", type: "string", required: true, visible: "hidden",
-          eval: "'\\n'.join(' '.join([task['id'], *task['needs'], *task['pictures']]) for task in __import__('json').loads("
+          eval: "'\\n'.join(' '.join([task['id'], *task['needs'], *task.get('pictures', [])]) for task in __import__('json').loads("
               + "Path(bpy.data.filepath).with_name('tasks.json').read_text(encoding='utf-8'))['tasks'])",
           description: "The farm's tasks" },
     ],
@@ -31,7 +31,7 @@ function compileJob(job) {
     const needed = {};
     for (const line of tasks.split("\n")) {
         const [name, ...needs] = line.split(" ");
-        made[name] = command(name, "blender", work, [folder, name]);
+        made[name] = command(name, "misc", work, [folder, name]);
         for (const need of needs) {
             if (!made[need]) {
                 made[need] = frame(need, folder);

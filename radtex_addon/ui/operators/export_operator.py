@@ -52,7 +52,7 @@ MESHES = (
     (
         "meshopt",
         "Compressed",
-        "By EXT_meshopt_compression: a third of the bytes. three.js and Babylon.js read it, Blender does not",
+        "By EXT_meshopt_compression, often a third of the bytes; three.js and Babylon.js read it",
     ),
     ("plain", "Plain", "Numbers alone, which more programs read"),
 )
