@@ -9,6 +9,7 @@ import http.server
 import json
 import re
 import shutil
+import struct
 import threading
 import tomllib
 from collections.abc import Callable, Iterator
@@ -21,11 +22,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from radtex_addon.formats.containers.glb import Glb
 from radtex_addon.report.metrics import Picture
 from tests.real.browser import Shown, decoded
-from tests.real.exhibit import CAMERAS, Camera, Exhibit, decibels
+from tests.real.exhibit import CAMERAS, Bake, Camera, Exhibit, decibels
 from tests.real.mirror_scene import SKY
 from tests.real.root import REPOSITORY
+from tests.real.test_web_bytes import end_of_mesh
 from tests.real.web import NO_BLOCKS, SOURCES, Site, aces, encoded, node
 
 INSIDE = REPOSITORY / "tests/real/inside"
@@ -511,7 +514,10 @@ def test_webgpu_renderer_shows_the_flat_lightmap_and_says_why(
 
 
 class Guarded(http.server.SimpleHTTPRequestHandler):
-    """Serves files to pages of other servers that send a key; below slow/ textures stop in the middle."""
+    """Serves files to pages of other servers that send a key; below slow/ textures stop in the middle.
+
+    Below until/COUNT/ meshes stop after so many bytes.
+    """
 
     ended = threading.Event()
 
@@ -537,9 +543,21 @@ class Guarded(http.server.SimpleHTTPRequestHandler):
             self.wfile.write(bytes(500))
             self.wfile.flush()
             self.ended.wait(60)
+        elif self.path.startswith("/until/") and self.path.endswith(".glb"):
+            self.send_part()
         else:
-            self.path = self.path.removeprefix("/slow")
+            self.path = re.sub("^/(slow|until/[0-9]+)/", "/", self.path)
             super().do_GET()
+
+    def send_part(self) -> None:
+        _, _, count, rest = self.path.split("/", 3)
+        data = Path(self.translate_path(f"/{rest}")).read_bytes()
+        self.send_response(200)
+        self.send_header("Content-Length", str(len(data)))
+        self.end_headers()
+        self.wfile.write(data[: int(count)])
+        self.wfile.flush()
+        self.ended.wait(60)
 
 
 @pytest.fixture
@@ -598,6 +616,81 @@ def test_a_load_can_be_ended(app: Callable[[str], App], web: Site, guarded: str,
     assert said["name"] == "AbortError"
     assert said["seconds"] < 10
     assert name in said["errors"]
+
+
+@pytest.mark.parametrize("form", ["plain", "images"])
+def test_a_load_can_be_ended_while_the_mesh_comes(
+    app: Callable[[str], App], web: Site, crate: Bake, guarded: str, form: str
+) -> None:
+    """Also while its images come: it ends as asked for, or says that nothing comes; nothing is damaged."""
+    page = app("plain")
+    folder = web.folder / form if form == "plain" else web.add(f"images-{crate.folder.name}", crate)
+    (manifest,), (mesh,) = folder.glob("*.export.json"), folder.glob("*.glb")
+    key = {"setRequestHeader": {"X-Key": "open"}}
+    places = [1500] if form == "plain" else [1500, end_of_mesh(mesh) + 50]
+    for place in places:
+        address = f"{guarded}/until/{place}/{folder.name}/{manifest.name}"
+        ended = page.failing(address, key, "signal")
+        late = page.failing(address, key | {"setTimeout": 700})
+        print(place, ended, late)
+        assert ended["name"] == "AbortError"
+        assert late["name"] == "Problem"
+        assert f"{mesh.name} does not come" in late["message"]
+        assert ended["finished"] == late["finished"] == 1
+
+
+BROKEN = {
+    "a web page": b"<!doctype html>" + bytes(3 << 20),
+    "no .glb": b"x" * (3 << 20),
+    "a broken .glb": struct.pack("<5I", 0x46546C67, 2, 3 << 20, 100, 0x4E4F534A) + b"{" * (3 << 20),
+}
+
+
+@pytest.mark.parametrize("content", BROKEN)
+def test_a_manager_hears_the_end_of_a_mesh_that_cannot_be_read(
+    app: Callable[[str], App], web: Site, content: str
+) -> None:
+    """Though it is not read to its end."""
+    page = app("plain")
+    folder = web.folder / f"broken {content}".replace(" ", "-")
+    folder.mkdir()
+    (manifest,), (mesh,) = (web.folder / "plain").glob("*.export.json"), (web.folder / "plain").glob("*.glb")
+    shutil.copyfile(manifest, folder / manifest.name)
+    (folder / mesh.name).write_bytes(BROKEN[content])
+    said = page.failing(f"../{folder.name}/{manifest.name}", {})
+    print(said)
+    assert said["name"] == "Problem"
+    assert mesh.name in said["message"]
+    assert manifest.name in said["errors"]
+    assert said["finished"] == 1
+
+
+def test_each_image_of_a_material_is_its_own(app: Callable[[str], App], web: Site, crate: Bake) -> None:
+    """By the address of the manifest and by that of the mesh, and where two nodes have one mesh."""
+    page = app("plain").shown.page
+    folder = web.add(f"images-{crate.folder.name}", crate)
+    (manifest,), (mesh,) = folder.glob("*.export.json"), folder.glob("*.glb")
+    for name in (manifest.name, mesh.name):
+        own, stock = page.evaluate(
+            "([address, file]) => checks.ownImages(address, file)",
+            [f"../{folder.name}/{name}", f"../{folder.name}/{mesh.name}"],
+        )
+        print(own, stock)
+        assert own == stock
+        assert all(len(set(images)) == 3 and 0 not in images for images in own.values())
+        assert own
+    twice = web.folder / f"{folder.name}-twice"
+    shutil.copytree(folder, twice)
+    glb = Glb.read(twice / mesh.name)
+    (first,) = [node for node in glb.document["nodes"] if "mesh" in node]
+    glb.document["nodes"].append(first | {"name": "Other", "translation": [9.0, 0.0, 0.0]})
+    glb.document["scenes"][0]["nodes"].append(len(glb.document["nodes"]) - 1)
+    glb.write(twice / mesh.name)
+    facts = page.evaluate("file => checks.imagesByGltf(file)", f"../{twice.name}/{mesh.name}")
+    print(facts)
+    (textures,) = {count for _, count, _ in facts["found"]}
+    assert [(images, problem) for images, _, problem in facts["found"]] == 2 * [(own, None)]
+    assert textures == len(json.loads(manifest.read_text())["textures"])
 
 
 def test_a_load_that_fails_says_why_and_what_to_do(

@@ -40,7 +40,12 @@ export async function fetchArriving(
 ): Promise<Arriving> {
   const response = await answer(url, priority, requests);
   const file = new Arriving(url, response.body, requests);
-  checkBeginning(await file.first(BEGINNING), url);
+  try {
+    checkBeginning(await file.first(BEGINNING), url);
+  } catch (error) {
+    file.cancel();
+    throw error;
+  }
   return file;
 }
 
@@ -66,6 +71,11 @@ export class Arriving {
       this.add(value);
     }
     return this.bytes.subarray(0, Math.min(count, this.come));
+  }
+
+  /** Let no more of it come, where it is of no use: else a LoadingManager would wait for its end. */
+  cancel(): void {
+    this.reader?.cancel().catch(() => undefined);
   }
 
   private add(part: Uint8Array): void {

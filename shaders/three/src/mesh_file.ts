@@ -19,7 +19,7 @@ import type { Manifest } from "./manifest.js";
 import { Problem } from "./problem.js";
 import type { MaterialImages } from "./parts.js";
 import type { BakedMesh } from "./radtex_object.js";
-import type { Requests } from "./requests.js";
+import { Requests } from "./requests.js";
 
 export const EXTENSION = "RADTEX_radiance_texture";
 const UNLIT = "KHR_materials_unlit";
@@ -30,14 +30,17 @@ const JSON_CHUNK = 0x4e4f534a;
 const BINARY_CHUNK = 0x004e4942;
 const HEAD = 20; // bytes before a .glb's JSON
 const CHUNK = 8; // and before what is in a further chunk
-const PIXEL = // a white one
-  "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAAAAAA6fptVAAAACklEQVR42mP4DwABAQEAHLCMmQAAAABJRU5ErkJggg==";
+const PIXEL = // a white one, as a PNG
+  "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAAAAAA6fptVAAAACklEQVR42mP4DwABAQEAHLCMmQAAAABJRU5ErkJggg==";
 
 /** One bake of a .glb: its meshes, and the flat lightmap's texture, which lies beside it where materials are images. */
 export interface MeshOfBake {
   parts: BakedMesh[];
   map: Texture | null;
 }
+
+/** Which texture of a file each of three.js's is of. */
+type Associations = GLTF["parser"]["associations"];
 
 /** The part of a .glb's JSON that is read here. */
 interface Document {
@@ -67,16 +70,19 @@ export interface MeshFile {
   factsOf: (material: Material) => Manifest | undefined;
   /** Fulfilled when materials have their own images, which may come after the mesh; before, each is one pixel. */
   images: Promise<void>;
+  /** The same, for which the file is fetched once more where its images did not come, as after a broken connection. */
+  imagesAgain: (requests?: Requests) => Promise<void>;
 }
 
 /**
- * Fetch and read a .glb, of which the images of materials may come later. Throws a Problem where it is missing or damaged.
+ * Fetch and read a .glb, of which the images of materials may come later. Throws a Problem where it is missing or damaged,
+ * and the signal's reason where the load was ended.
  *
  * `came` is called when the mesh has come, before it is read.
  */
 export async function loadMeshFile(
   url: URL,
-  requests?: Requests,
+  requests = new Requests(),
   came: () => void = () => undefined,
 ): Promise<MeshFile> {
   const file = await fetchArriving(url, "high", requests);
@@ -88,15 +94,39 @@ export async function loadMeshFile(
     came();
     gltf = await new GLTFLoader(ofItself()).setMeshoptDecoder(MeshoptDecoder).parseAsync(bytes.buffer, "");
   } catch (error) {
-    throw error instanceof Problem ? error : damaged(url, await requiredBy(file));
+    const problem = error instanceof Problem ? error : damaged(url, await requiredBy(file));
+    file.cancel();
+    requests.check(url);
+    throw problem;
+  } finally {
+    late?.revoke();
   }
   const { parser, scene } = gltf;
-  const images = Promise.resolve(late?.into(parser.associations)).catch((error: unknown) => {
-    throw error instanceof Problem ? error : damaged(url, []);
-  });
+  const images = late ? shown(late, parser.associations, file, url, requests) : Promise.resolve();
+  let latest = images;
+  const imagesAgain = (asked = new Requests()): Promise<void> => {
+    const once = async (): Promise<void> => {
+      const whole = await fetchArriving(url, "low", asked);
+      await shown(late as LateImages, parser.associations, whole, url, asked);
+    };
+    latest = latest.catch(once);
+    latest.catch(() => undefined);
+    return latest;
+  };
   images.catch(() => undefined); // whoever waits for them is told
   scene.updateMatrixWorld(true);
-  return { root: scene, factsOf: factsIn(parser), images };
+  return { root: scene, factsOf: factsIn(parser), images, imagesAgain };
+}
+
+/** Give textures their pictures, which are still coming. Throws as `loadMeshFile`. */
+async function shown(late: LateImages, made: Associations, file: Arriving, url: URL, requests: Requests): Promise<void> {
+  try {
+    await late.into(made, await file.first(Infinity));
+  } catch (error) {
+    file.cancel();
+    requests.check(url);
+    throw error instanceof Problem ? error : damaged(url, []);
+  }
 }
 
 /** What our extension says of a material that a parser of GLTFLoader's made; nobody has checked it. */
@@ -143,6 +173,8 @@ async function headOf(file: Arriving): Promise<{ document: Partial<Document>; be
 
 /** The images at the end of a .glb that are not needed to draw its mesh with the flat lightmap. */
 class LateImages {
+  private readonly pixels: string[] = []; // addresses, which `revoke` ends
+
   private constructor(
     private readonly file: Arriving,
     private readonly document: Document,
@@ -174,7 +206,7 @@ class LateImages {
     const { begin, document, end, file, late } = this;
     const binary = (await file.first(begin + end)).subarray(begin);
     if (binary.length !== end) throw new Error("it is cut short");
-    const images = document.images.map((image, at) => (late.has(at) ? { name: image.name, uri: PIXEL } : image));
+    const images = document.images.map((image, at) => (late.has(at) ? { name: image.name, uri: this.pixel() } : image));
     const [, ...others] = document.buffers;
     const json = { ...document, images, buffers: [{ byteLength: end }, ...others] };
     const text = new TextEncoder().encode(JSON.stringify(json));
@@ -190,9 +222,21 @@ class LateImages {
     return bytes;
   }
 
-  /** Give textures that a GLTFLoader made of `meshAlone` their pictures, when all have come. */
-  async into(made: GLTF["parser"]["associations"]): Promise<void> {
-    const bytes = await this.file.first(Infinity);
+  /** A pixel at an address of its own: GLTFLoader makes one texture of all images that have the same. */
+  private pixel(): string {
+    const bytes = Uint8Array.from(atob(PIXEL), (letter) => letter.charCodeAt(0));
+    const address = URL.createObjectURL(new Blob([bytes], { type: "image/png" }));
+    this.pixels.push(address);
+    return address;
+  }
+
+  /** Free the pixels, when the mesh has been read. */
+  revoke(): void {
+    for (const address of this.pixels) URL.revokeObjectURL(address);
+  }
+
+  /** Give textures that a GLTFLoader made of `meshAlone` their pictures of the whole file. */
+  async into(made: Associations, bytes: Uint8Array<ArrayBuffer>): Promise<void> {
     const pictures = new Map<number, ImageBitmap>();
     for (const at of this.late) {
       const { bufferView, mimeType = "" } = this.document.images[at] as Document["images"][number];
@@ -201,9 +245,12 @@ class LateImages {
       const untouched = { colorSpaceConversion: "none", premultiplyAlpha: "none" } as const;
       pictures.set(at, await createImageBitmap(new Blob([data], { type: mimeType }), untouched));
     }
-    for (const [texture, { textures: number }] of made) {
+    const concerned = [...made].flatMap(([texture, { textures: number }]) => {
       const picture = number === undefined ? undefined : pictures.get(this.document.textures[number]?.source as number);
-      if (!picture || !(texture instanceof Texture)) continue;
+      return picture && texture instanceof Texture ? [[texture, picture] as const] : [];
+    });
+    for (const [texture] of concerned) texture.dispose(); // where the pixel was drawn, it has storage of its size alone
+    for (const [texture, picture] of concerned) {
       texture.image = picture;
       texture.needsUpdate = true;
     }
@@ -254,8 +301,9 @@ export function bakeOf(meshes: readonly Mesh[], url: URL): MeshOfBake {
  */
 function imagesOf(mesh: Mesh): MaterialImages | null {
   const { geometry, material } = mesh;
-  if (!(material instanceof MeshStandardMaterial) || !geometry.hasAttribute("uv1")) return null;
-  if (!geometry.hasAttribute("uv_images")) {
+  if (!(material instanceof MeshStandardMaterial)) return null;
+  if (!geometry.hasAttribute("uv_images")) { // else the mesh, or another with its geometry, was here before
+    if (!geometry.hasAttribute("uv1")) return null;
     geometry.setAttribute("uv_images", geometry.getAttribute("uv"));
     geometry.setAttribute("uv", geometry.getAttribute("uv1"));
     geometry.deleteAttribute("uv1");

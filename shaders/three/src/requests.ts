@@ -78,25 +78,32 @@ export class Requests {
   ): ReadableStream<Uint8Array<ArrayBuffer>> {
     const reader = body.getReader();
     let come = 0;
+    let isOver = false;
+    const over = (failed: boolean): void => {
+      if (!isOver) this.ended(url, failed);
+      isOver = true;
+    };
     this.tell(url, come, all);
     return new ReadableStream({
       pull: async (into) => {
         try {
           const { done, value } = await this.inTime(url, () => reader.read());
+          if (isOver) return; // nobody wanted more, meanwhile
           come += value?.byteLength ?? 0;
           this.tell(url, come, done ? come : all);
           if (value) into.enqueue(value);
           if (!done) return;
           into.close();
-          this.ended(url, false);
+          over(false);
         } catch (error) {
+          if (isOver) return;
           reader.cancel().catch(() => undefined);
-          this.ended(url, true);
+          over(true);
           into.error(error);
         }
       },
       cancel: async (reason) => {
-        this.ended(url, false);
+        over(false);
         await reader.cancel(reason);
       },
     });

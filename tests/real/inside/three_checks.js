@@ -29,6 +29,7 @@ import {
 } from "three";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 import { KTX2Loader } from "three/addons/loaders/KTX2Loader.js";
+import { MeshoptDecoder } from "three/addons/libs/meshopt_decoder.module.js";
 import { loadRadTex, radtex, RadTexLoader, RadTexMirror, RadTexSceneLoader } from "radtex-three";
 
 function placed(camera, matrix) {
@@ -89,6 +90,19 @@ function wall(view, grey) {
   plane.position.copy(position).add(new Vector3(0, 0, -30).applyQuaternion(quaternion));
   return [plane];
 }
+
+// A picture's bytes, as one number; 0 for none.
+function sumOf(texture) {
+  if (!texture) return 0;
+  const { width, height } = texture.image;
+  const into = new OffscreenCanvas(width, height).getContext("2d");
+  into.drawImage(texture.image, 0, 0);
+  return into.getImageData(0, 0, width, height).data.reduce((sum, byte) => (sum * 31 + byte) % 4294967291, width);
+}
+
+const sumsOf = (images) => Object.fromEntries([...images].map(([number, all]) => [number, all.map(sumOf)]));
+
+const imagesOf = (object) => sumsOf([...object.images].map(([number, { base, metal, bump }]) => [number, [base, metal, bump]]));
 
 const asked = () => new URLSearchParams(location.search).get("bake");
 
@@ -403,10 +417,41 @@ window.checks = {
     return { light, files, parts: scene.parts.map(({ textures }) => textures.size), ...told };
   },
 
+  // The images of each material as a load finds them, and as three.js's own loader does.
+  ownImages: async (address, file) => {
+    const { object, complete } = await loadRadTex(address);
+    await complete;
+    const { scene } = await new GLTFLoader().setMeshoptDecoder(MeshoptDecoder).loadAsync(file);
+    const stock = new Map();
+    scene.traverse(({ geometry, material }) => {
+      if (!geometry?.hasAttribute("uv1") || !material.isMeshStandardMaterial) return;
+      const { map, metalnessMap, normalMap, userData } = material;
+      stock.set(userData.radtex_material ?? 0, [map, metalnessMap, normalMap]);
+    });
+    const found = [imagesOf(object), sumsOf(stock)];
+    object.dispose();
+    return found;
+  },
+
+  // The images of each object that three.js's own loader gives with the plugin, and how often each texture was asked for.
+  imagesByGltf: async (file) => {
+    performance.clearResourceTimings();
+    const { userData } = await new GLTFLoader().register(radtex).loadAsync(file);
+    const counts = {};
+    for (const { name } of performance.getEntriesByType("resource")) {
+      if (name.endsWith(".ktx2")) counts[name] = (counts[name] ?? 0) + 1;
+    }
+    const found = userData.radtex.map((object) => [imagesOf(object), object.textures.size, object.problem?.message ?? null]);
+    for (const object of userData.radtex) object.dispose();
+    return { found, counts };
+  },
+
   // What a load that cannot succeed says, by its settings: names of setters, and what they take.
   failing: async (address, settings, abortAfter = null) => {
     const loader = new RadTexLoader(new LoadingManager());
     const errors = [];
+    let finished = 0;
+    loader.manager.onLoad = () => finished++;
     loader.manager.onError = (url) => errors.push(url.split("/").at(-1));
     for (const [name, value] of Object.entries(settings)) loader[name](value);
     const controller = new AbortController();
@@ -416,7 +461,9 @@ window.checks = {
     if (abortAfter) setTimeout(end[abortAfter], 200);
     const error = await new Promise((done) => loader.load(address, () => done(null), undefined, done));
     const { name, message, remedy = null } = error;
-    return { name, message, remedy, errors, seconds: (performance.now() - begin) / 1000 };
+    const seconds = (performance.now() - begin) / 1000;
+    for (let turn = 0; turn < 50 && !finished; turn++) await new Promise((done) => setTimeout(done, 20));
+    return { name, message, remedy, errors, finished, seconds };
   },
 
   // The bake's .glb by three.js's own loader with the plugin.
