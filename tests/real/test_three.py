@@ -17,7 +17,7 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
@@ -28,7 +28,7 @@ from tests.real.browser import Shown, decoded
 from tests.real.exhibit import CAMERAS, Bake, Camera, Exhibit, decibels
 from tests.real.mirror_scene import SKY
 from tests.real.root import REPOSITORY
-from tests.real.test_web_bytes import end_of_mesh
+from tests.real.test_web_bytes import WHOLE
 from tests.real.web import NO_BLOCKS, SOURCES, Site, aces, encoded, node
 
 INSIDE = REPOSITORY / "tests/real/inside"
@@ -314,6 +314,9 @@ def test_lamps_add_their_light(web: Site, exhibit: Exhibit, bundled: Path, form:
         cloned = decibels(page.light("cloneOfMixed", FRONT) / 3.5, one, mask)
         print(f"{form}, lamps: {found:.1f} dB, cloned {cloned:.1f} dB")
         assert min(found, cloned) >= SAME
+        before, after = page.ask("instancesOfMixed", FRONT)
+        assert decibels(picture(before, FRONT) / 2.5, one, mask) >= SAME
+        assert after == before, "instances keep the lamps' light when the device was lost"
 
 
 @FORMS
@@ -516,10 +519,13 @@ def test_webgpu_renderer_shows_the_flat_lightmap_and_says_why(
 class Guarded(http.server.SimpleHTTPRequestHandler):
     """Serves files to pages of other servers that send a key; below slow/ textures stop in the middle.
 
-    Below until/COUNT/ meshes stop after so many bytes.
+    Below until/COUNT/ meshes stop after so many bytes, below broken/COUNT/ the connection breaks there, once.
     """
 
+    broken: ClassVar[set[str]] = set()
+
     ended = threading.Event()
+    key: str | None = "open"
 
     def log_message(self, *message: Any) -> None:
         pass
@@ -534,7 +540,7 @@ class Guarded(http.server.SimpleHTTPRequestHandler):
         self.end_headers()
 
     def do_GET(self) -> None:
-        if self.headers["X-Key"] != "open":
+        if self.headers["X-Key"] != self.key:
             self.send_error(403)
         elif self.path.startswith("/slow/") and self.path.endswith(".ktx2"):
             self.send_response(200)
@@ -543,27 +549,53 @@ class Guarded(http.server.SimpleHTTPRequestHandler):
             self.wfile.write(bytes(500))
             self.wfile.flush()
             self.ended.wait(60)
-        elif self.path.startswith("/until/") and self.path.endswith(".glb"):
+        elif re.match("/(until|broken)/.*[.]glb$", self.path) and self.path not in self.broken:
             self.send_part()
         else:
-            self.path = re.sub("^/(slow|until/[0-9]+)/", "/", self.path)
+            self.path = re.sub("^/(slow|(until|broken)/[0-9]+)/", "/", self.path)
             super().do_GET()
 
     def send_part(self) -> None:
-        _, _, count, rest = self.path.split("/", 3)
+        _, way, count, rest = self.path.split("/", 3)
         data = Path(self.translate_path(f"/{rest}")).read_bytes()
         self.send_response(200)
         self.send_header("Content-Length", str(len(data)))
         self.end_headers()
         self.wfile.write(data[: int(count)])
         self.wfile.flush()
-        self.ended.wait(60)
+        if way == "until":
+            self.ended.wait(60)
+        else:
+            self.ended.wait(
+                4
+            )  # for the browser forgets what the page has not read when the connection breaks
+            self.broken.add(self.path)
+            self.close_connection = True
+
+
+class Open(Guarded):
+    """The same for everybody."""
+
+    key = None
 
 
 @pytest.fixture
 def guarded(web: Site) -> Iterator[str]:
     """The address of another server of the same exports."""
-    handler = functools.partial(Guarded, directory=str(web.folder))
+    with another_server(web, Guarded) as address:
+        yield address
+
+
+@pytest.fixture
+def open_server(web: Site) -> Iterator[str]:
+    """The same, which asks for no key."""
+    with another_server(web, Open) as address:
+        yield address
+
+
+@contextmanager
+def another_server(web: Site, kind: type[Guarded]) -> Iterator[str]:
+    handler = functools.partial(kind, directory=str(web.folder))
     with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
         thread = threading.Thread(target=server.serve_forever, daemon=True)
         thread.start()
@@ -627,7 +659,7 @@ def test_a_load_can_be_ended_while_the_mesh_comes(
     folder = web.folder / form if form == "plain" else web.add(f"images-{crate.folder.name}", crate)
     (manifest,), (mesh,) = folder.glob("*.export.json"), folder.glob("*.glb")
     key = {"setRequestHeader": {"X-Key": "open"}}
-    places = [1500] if form == "plain" else [1500, end_of_mesh(mesh) + 50]
+    places = [1500] if form == "plain" else [1500, mesh.stat().st_size - 50]
     for place in places:
         address = f"{guarded}/until/{place}/{folder.name}/{manifest.name}"
         ended = page.failing(address, key, "signal")
@@ -670,6 +702,7 @@ def test_each_image_of_a_material_is_its_own(app: Callable[[str], App], web: Sit
     page = app("plain").shown.page
     folder = web.add(f"images-{crate.folder.name}", crate)
     (manifest,), (mesh,) = folder.glob("*.export.json"), folder.glob("*.glb")
+    own: dict[str, list[int]] = {}
     for name in (manifest.name, mesh.name):
         own, stock = page.evaluate(
             "([address, file]) => checks.ownImages(address, file)",
@@ -691,6 +724,33 @@ def test_each_image_of_a_material_is_its_own(app: Callable[[str], App], web: Sit
     (textures,) = {count for _, count, _ in facts["found"]}
     assert [(images, problem) for images, _, problem in facts["found"]] == 2 * [(own, None)]
     assert textures == len(json.loads(manifest.read_text())["textures"])
+    assert list(facts["counts"].values()) == textures * [1]
+
+
+def test_images_that_did_not_come_are_loaded_again(
+    app: Callable[[str], App], web: Site, crate: Bake, open_server: str
+) -> None:
+    page = app("plain")
+    folder = web.add(f"images-{crate.folder.name}", crate)
+    (manifest,), (mesh,) = folder.glob("*.export.json"), folder.glob("*.glb")
+    address = f"{open_server}/broken/{mesh.stat().st_size - 50}/{folder.name}/{manifest.name}"
+    facts = page.ask("brokenOff", WHOLE, address, f"../{folder.name}/{manifest.name}")
+    print(facts["told"], facts["found"], facts["error"])
+    assert facts["told"] == f"{mesh.name} came only in part"
+    assert facts["found"][0] == facts["found"][1]
+    assert np.abs(picture(facts["wanted"], WHOLE)).max() > 0.1
+    assert facts["again"] == facts["wanted"]
+    assert facts["error"] == 0
+
+
+def test_a_manager_hears_once_that_all_is_loaded(app: Callable[[str], App], web: Site, crate: Bake) -> None:
+    """When it is complete, and not between two of its files."""
+    page = app("plain").shown.page
+    folder = web.add(f"images-{crate.folder.name}", crate)
+    names = [f"../{folder.name}/{next(folder.glob(f'*.{ending}')).name}" for ending in ("export.json", "glb")]
+    counts = page.evaluate("names => checks.finished(...names)", names)
+    print(counts)
+    assert counts == [1, 1]
 
 
 def test_a_load_that_fails_says_why_and_what_to_do(

@@ -173,8 +173,12 @@ def test_textures_wait_until_the_mesh_has_come(web: Site, exhibit: Exhibit) -> N
             page.context.close()
 
 
-@pytest.mark.parametrize("missing", [False, True], ids=["packed", "without the packed script"])
-def test_the_script_comes_packed_from_any_server(web: Site, exhibit: Exhibit, missing: bool) -> None:
+PAGE = "<!doctype html><title>My app</title>"  # which servers of apps send for what they lack
+LACKING = {"404": {"status": 404}, "a page": {"status": 200, "content_type": "text/html", "body": PAGE}}
+
+
+@pytest.mark.parametrize("missing", [None, *LACKING])
+def test_the_script_comes_packed_from_any_server(web: Site, exhibit: Exhibit, missing: str | None) -> None:
     web.add("plain", exhibit.plain)
     page = tab_of(web.browser, viewport={"width": 760, "height": 500})
     asked: list[str] = []
@@ -185,14 +189,30 @@ def test_the_script_comes_packed_from_any_server(web: Site, exhibit: Exhibit, mi
     try:
         page.on("request", note)
         if missing:
-            page.route("**/viewer.js.gz", lambda route: route.fulfill(status=404))
+            page.route("**/viewer.js.gz", lambda route: route.fulfill(**LACKING[missing]))  # type: ignore[arg-type]
         page.goto(f"{web.address}/plain/")
         page.wait_for_function("window.radtex", timeout=60_000)
         Shown(page).wait()
-        assert ("viewer.js" in asked) is missing
+        assert ("viewer.js" in asked) is (missing is not None)
         assert "viewer.js.gz" in asked
     finally:
         page.context.close()
+
+
+def test_a_page_in_the_place_of_its_script_is_told(web: Site, exhibit: Exhibit) -> None:
+    web.add("plain", exhibit.plain)
+    page = tab_of(web.browser, viewport={"width": 760, "height": 500})
+    try:
+        page.route("**/viewer.js*", lambda route: route.fulfill(**LACKING["a page"]))  # type: ignore[arg-type]
+        page.goto(f"{web.address}/plain/")
+        page.locator("#message").wait_for(state="visible", timeout=20_000)
+        message = page.locator("#message").inner_text()
+        failed = page.evaluate("radtex.ready.then(() => null, ({ message }) => message)")
+    finally:
+        page.context.close()
+    assert "viewer.js is missing" in message
+    assert "all files of the export" in message
+    assert failed in message
 
 
 def test_the_packed_script_is_a_third_of_the_plain_one(web: Site, exhibit: Exhibit) -> None:

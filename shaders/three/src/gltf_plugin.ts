@@ -16,6 +16,9 @@ import { Problem, report } from "./problem.js";
 import { RadTexObject } from "./radtex_object.js";
 import { type RequestOptions, Requests } from "./requests.js";
 
+/** Textures that several bakes have, by their addresses: each is loaded once. */
+type Shared = NonNullable<LoadOptions["shared"]>;
+
 export type PluginOptions = Omit<LoadOptions, "lamps" | "requests">;
 
 /**
@@ -35,7 +38,9 @@ export function radtex(parser: GLTFParser, options: PluginOptions = {}): GLTFLoa
       const requests: RequestOptions = { crossOrigin, manager, requestHeader, withCredentials };
       const base = new URL(path || ".", document.baseURI);
       const bakes = gltf.scenes.flatMap((scene) => bakesBelow(scene, parser, base));
-      const shown = await Promise.all(bakes.map((bake) => objectOf(bake, base, { ...requests, ...options })));
+      const asked = { ...requests, shared: new Map(), ...options };
+      const reloaded = inOneGo();
+      const shown = await Promise.all(bakes.map((bake) => objectOf(bake, base, asked, reloaded)));
       const objects = shown.filter((each) => each !== null);
       if (gltf.animations.length) for (const each of objects) each.name = ""; // they move nodes, which they know by name
       gltf.userData["radtex"] = objects;
@@ -75,7 +80,12 @@ function bakesBelow(scene: Object3D, parser: GLTFParser, base: URL): FoundBake[]
 }
 
 /** A bake as an object among its meshes' siblings, which does not move them; null if it lacks what it needs, as is told. */
-async function objectOf({ manifest, meshes }: FoundBake, base: URL, options: LoadOptions): Promise<RadTexObject | null> {
+async function objectOf(
+  { manifest, meshes }: FoundBake,
+  base: URL,
+  options: LoadOptions,
+  reloaded: () => Shared,
+): Promise<RadTexObject | null> {
   const file = fileUrl(manifest.mesh, base);
   const requests = new Requests(options);
   const parent = meshes[0]?.parent as Object3D;
@@ -84,7 +94,7 @@ async function objectOf({ manifest, meshes }: FoundBake, base: URL, options: Loa
     const { parts, map } = bakeOf(meshes, file);
     const flat = map ?? (await flatOf(manifest, base, requests));
     object = placed(new RadTexObject(manifest, parts, flat), parent);
-    await filled(object, manifest, base, file, { ...options, requests });
+    await filled(object, base, file, { ...options, requests }, reloaded);
   } catch (error) {
     if (!(error instanceof Problem)) throw error;
     if (object) object.failed(error);
@@ -103,10 +113,26 @@ function placed(object: RadTexObject, parent: Object3D): RadTexObject {
 }
 
 /** Load an object's textures, and let it load them again. */
-async function filled(object: RadTexObject, manifest: Manifest, base: URL, file: URL, options: LoadOptions): Promise<void> {
+async function filled(
+  object: RadTexObject,
+  base: URL,
+  file: URL,
+  options: LoadOptions,
+  reloaded: () => Shared,
+): Promise<void> {
+  const { manifest } = object;
   const device = options.device ?? thisDevice();
   const load = (asked: LoadOptions): Promise<void> =>
     completed(object, alone(loadTextures(manifest, base, device, asked)));
-  known(object, file, options, oneAtATime(() => load(again(options))));
+  known(object, file, options, oneAtATime(() => load({ ...again(options), shared: reloaded() })));
   await load(options);
+}
+
+/** What bakes share that are loaded in one go, as all are when the graphics device came back. */
+function inOneGo(): () => Shared {
+  let shared: Shared | null = null;
+  return () => {
+    if (!shared) setTimeout(() => (shared = null));
+    return (shared ??= new Map());
+  };
 }

@@ -46,6 +46,12 @@ ${added.join("\n")}
   return [lookups, Object.assign({}, ...all.map(([, uniforms]) => uniforms) as Uniforms[])];
 }
 
+/** What these lookups read of the bakes of lamps. */
+export function lampUniforms(bakes: readonly Bake[], filter: Filter, number: number): Uniforms {
+  const all = bakes.map((bake, place) => renamed(partsOf(bake, filter, "mesh", WHOLE, number), `lamp${place}_`)[1]);
+  return Object.assign({}, ...all) as Uniforms;
+}
+
 /** The same lookups under other names, so that one shader holds them beside others. */
 function renamed([lookups, uniforms]: Parts, prefix: string): Parts {
   const named = Object.entries(uniforms).map(([name, value]) => [`${prefix}${name}`, value]);

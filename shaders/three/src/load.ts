@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: MIT
 // From an address to objects in a scene.
 
-import { Group, type Material, type Mesh, type Object3D, SRGBColorSpace, Texture } from "three";
+import { Group, type LoadingManager, type Material, type Mesh, type Object3D, SRGBColorSpace, Texture } from "three";
 
 import { type Device, thisDevice } from "./device.js";
 import { fetchBytes, fileName, fileUrl } from "./fetching.js";
@@ -49,7 +49,7 @@ export interface RadTexScene {
   object: Group;
   name: string;
   parts: RadTexObject[];
-  /** As of one bake; each part shows its radiance as soon as its own textures are there. */
+  /** As of one bake; each part shows its radiance as soon as its own textures, and images, are there. */
   complete: Promise<void>;
   reload: () => Promise<void>;
 }
@@ -61,6 +61,10 @@ export interface RadTexScene {
  * Problem, whose `message` and `remedy` are for people, where a file is missing, damaged, or of a newer version.
  */
 export async function loadRadTex(address: string | URL, options: LoadOptions = {}): Promise<RadTex> {
+  return held(address, options.manager, () => radTexOf(address, options));
+}
+
+async function radTexOf(address: string | URL, options: LoadOptions): Promise<RadTex> {
   const url = addressOf(address);
   const device = options.device ?? thisDevice();
   const asked = { ...options, requests: new Requests(options) };
@@ -72,6 +76,10 @@ export async function loadRadTex(address: string | URL, options: LoadOptions = {
 
 /** Load an export of one bake, with `lamps`, or of several by the address of its NAME.export.json. Rejected as `loadRadTex`. */
 export async function loadRadTexScene(address: string | URL, options: LoadOptions = {}): Promise<RadTexScene> {
+  return held(address, options.manager, () => sceneOf(address, options));
+}
+
+async function sceneOf(address: string | URL, options: LoadOptions): Promise<RadTexScene> {
   const url = addressOf(address);
   const device = options.device ?? thisDevice();
   const requests = new Requests(options);
@@ -90,7 +98,7 @@ export async function loadRadTexScene(address: string | URL, options: LoadOption
   const asked = { ...options, requests };
   const load = (): Promise<Textures>[] => loadAll(manifests, url, device, asked);
   const mesh = fileUrl(manifest.mesh, url);
-  const [{ root, images }, loading] = await afterMesh(mesh, requests, load);
+  const [{ root, images, imagesAgain }, loading] = await afterMesh(mesh, requests, load);
   const parts = await Promise.all(
     manifests.map(async (part) => {
       const { parts: meshes, map } = bakeBelow(nodeOf(root, part.node, mesh), mesh);
@@ -100,18 +108,43 @@ export async function loadRadTexScene(address: string | URL, options: LoadOption
   const object = new Group();
   object.name = manifest.name;
   object.add(...parts);
-  const taken = async (coming: Promise<Textures>[]): Promise<void> => {
-    await images;
-    await Promise.all(parts.map((part, place) => completed(part, alone(coming[place] as Promise<Textures>))));
+  const taken = async (coming: Promise<Textures>[], shown: Promise<void>): Promise<void> => {
+    const whole = parts.map(async (part, place) => {
+      if (part.images.size) await shown;
+      return alone(coming[place] as Promise<Textures>);
+    });
+    await Promise.all(parts.map((part, place) => completed(part, whole[place] as Promise<[Textures]>)));
   };
-  const reload = oneAtATime(() => taken(loadAll(manifests, url, device, again(options))));
+  const reload = oneAtATime(() => {
+    const once = again(options);
+    return taken(loadAll(manifests, url, device, once), imagesAgain(once.requests));
+  });
   for (const part of parts) known(part, url, options, reload);
-  return { object, name: manifest.name, parts, complete: taken(loading), reload };
+  return { object, name: manifest.name, parts, complete: taken(loading, images), reload };
+}
+
+/** The same, which a LoadingManager counts as one item more until it is complete: between two files nothing is finished. */
+async function held<Data extends { complete: Promise<void> }>(
+  address: string | URL,
+  manager: LoadingManager | undefined,
+  begin: () => Promise<Data>,
+): Promise<Data> {
+  if (!manager) return begin();
+  const name = String(address);
+  const failed = (error: unknown): never => {
+    manager.itemError(name);
+    manager.itemEnd(name);
+    throw error;
+  };
+  manager.itemStart(name);
+  const data = await begin().catch(failed);
+  return { ...data, complete: data.complete.then(() => manager.itemEnd(name), failed) };
 }
 
 /** The same options for loading once more: who could end the load, or watched it, did so of the first. */
 export function again(options: LoadOptions): LoadOptions {
-  return { ...options, requests: new Requests({ ...options, signal: undefined, received: undefined }) };
+  const requests = new Requests({ ...options, signal: undefined, received: undefined });
+  return { ...options, requests, shared: undefined };
 }
 
 /** The same, but who asks for it while it goes on gets what goes on. */
@@ -166,13 +199,17 @@ async function loadOne(
     return loading;
   };
   const mesh = fileUrl(manifest.mesh, url);
-  const [{ root, images }, textures] = early
+  const [{ root, images, imagesAgain }, textures] = early
     ? [early, load(options)]
     : await afterMesh(mesh, options.requests, () => load(options));
   const { parts, map } = bakeBelow(root, mesh);
   const flat = map ?? (await flatOf(manifest, url, options.requests));
   const object = new RadTexObject(manifest, parts, flat, Object.keys(lamps));
-  const reload = oneAtATime(() => completed(object, load(again(options))));
+  const reload = oneAtATime(() => {
+    const once = again(options);
+    const loading = Promise.all([load(once), imagesAgain(once.requests)]);
+    return completed(object, loading.then(([loaded]) => loaded));
+  });
   known(object, url, options, reload);
   return { object, manifest, complete: completed(object, images.then(() => textures)), reload };
 }

@@ -67,17 +67,9 @@ abstract class OwnLoader<Data extends RadTex | RadTexScene> extends Loader<Data>
     const whole = LoaderUtils.resolveURL(address, this.path);
     const ended = signal ? AbortSignal.any([signal, this.ending.signal]) : this.ending.signal;
     const requests = { crossOrigin, manager, requestHeader, signal: ended, timeout, withCredentials };
-    manager.itemStart(whole);
-    try {
-      const data = await this.begin(whole, { ...options, ...requests, received: progressed });
-      await data.complete;
-      return data;
-    } catch (error) {
-      manager.itemError(whole);
-      throw error;
-    } finally {
-      manager.itemEnd(whole);
-    }
+    const data = await this.begin(whole, { ...options, ...requests, received: progressed });
+    await data.complete;
+    return data;
   }
 }
 

@@ -16,7 +16,7 @@ import {
 } from "three";
 
 import { type Filter, filtersOf } from "./filters.js";
-import { type Lamp, lampParts } from "./lamps.js";
+import { type Lamp, lampParts, lampUniforms } from "./lamps.js";
 import { WHOLE } from "./layers.js";
 import type { Manifest } from "./manifest.js";
 import { type Bake, partsOf, type Parts } from "./parts.js";
@@ -92,7 +92,7 @@ export class SurfaceMaterial extends ShaderMaterial {
 /** The light of a bake, as it leaves its surface towards the camera. For a Mesh or an InstancedMesh of the bake's. */
 export class RadTexMaterial extends SurfaceMaterial {
   readonly isRadTexMaterial = true;
-  private bakes: readonly Bake[];
+  private bakes: readonly Bake[]; // its own, and its lamps'
   private way: { filter: Filter; layer: string; number: number };
   private read: { manifest: Manifest; textures: Bake["textures"] };
 
@@ -126,17 +126,20 @@ export class RadTexMaterial extends SurfaceMaterial {
   override onBeforeRender(renderer: WebGLRenderer): void {
     super.onBeforeRender(renderer);
     const [first] = this.bakes;
-    if (this.bakes.length === 1) this.renew(first as Bake);
+    this.renew(first as Bake);
     for (const { textures } of this.bakes) uploadForFrame(textures.values(), renderer, first?.failed);
   }
 
-  /** Read the textures that the bake has by now, where they were loaded once more: instances keep their material. */
+  /** Read the textures that the bake and its lamps have by now, where they were loaded once more: instances keep their material. */
   private renew(bake: Bake): void {
-    const { manifest, textures } = bake;
+    const { lampBakes = [], manifest, textures } = bake;
     if (textures === this.read.textures || !textures.size || manifest !== this.read.manifest) return;
+    if (lampBakes.length !== this.bakes.length - 1) return;
     const { filter, layer, number } = this.way;
     const [, uniforms] = partsOf(bake, filter, "mesh", layer, number);
+    Object.assign(uniforms, lampUniforms(lampBakes, filter, number));
     for (const [name, { value }] of Object.entries(uniforms)) this.uniforms[name]!.value = value;
+    this.bakes = [bake, ...lampBakes];
     this.read = { manifest, textures };
     this.uniformsNeedUpdate = true;
   }

@@ -54,6 +54,8 @@ export interface Bake {
   images?: ReadonlyMap<number, MaterialImages> | undefined;
   /** Told why its textures cannot be drawn; without it the console is. */
   failed?: (problem: Problem) => void;
+  /** The bakes of the lamps that are added to it by now, in the order of their names. */
+  lampBakes?: readonly Bake[];
 }
 
 /** How a bake is looked up, by a filter. */

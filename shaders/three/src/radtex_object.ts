@@ -147,6 +147,11 @@ export class RadTexObject extends Group implements Bake {
     return this.found ?? new Map();
   }
 
+  /** The bakes of its lamps, in the order of `lamps`; none before they are loaded. */
+  get lampBakes(): readonly Bake[] {
+    return this.added.map(({ bake }) => bake);
+  }
+
   /** How textures can be filtered, the best last. */
   get filters(): Filter[] {
     return filtersOf(this.current);
@@ -283,7 +288,7 @@ export class RadTexObject extends Group implements Bake {
     made.setSun(this.sunlight);
     for (const [name, colour] of this.lamps) made.lamps.get(name)?.copy(colour);
     made.chosen = { ...this.chosen };
-    if (this.found) made.take(this.current, this.found, made.lampsOf(this.added.map(({ bake }) => bake)));
+    if (this.found) made.take(this.current, this.found, made.lampsOf(this.lampBakes));
     const others = recursive ? this.children.filter((child) => !this.numbers.has(child as Mesh)) : [];
     for (const child of others) {
       if (!(child instanceof RadTexMirror)) made.add(child.clone(recursive));
@@ -339,7 +344,7 @@ export class RadTexObject extends Group implements Bake {
 
   /** The bake's textures and the lamps'. */
   private everyTexture(): BakeTexture[] {
-    return texturesOf([this, ...this.added.map(({ bake }) => bake)]);
+    return texturesOf([this, ...this.lampBakes]);
   }
 
   /** Give the meshes the materials that are set. */

@@ -433,6 +433,40 @@ window.checks = {
     return found;
   },
 
+  // A load whose file breaks off the first time, and what is seen when it was loaded again: by then a frame had uploaded what
+  // stands for the images. Beside it, the picture of a load that did not break off.
+  brokenOff: async (view, address, whole) => {
+    const { renderer } = await window.app;
+    const { object, complete, reload } = await loadRadTex(address);
+    const told = await complete.then(() => null, ({ message }) => message);
+    for (const images of object.images.values()) for (const each of Object.values(images)) renderer.initTexture(each);
+    await reload();
+    const again = await drawnInstead(view, object);
+    const error = renderer.getContext().getError();
+    const other = await loadRadTex(whole);
+    await other.complete;
+    const wanted = await drawnInstead(view, other.object);
+    const found = [imagesOf(object), imagesOf(other.object)];
+    object.dispose();
+    other.object.dispose();
+    return { told, again, wanted, found, error };
+  },
+
+  // How often a manager hears that all is loaded: of the manifest's address, and of the mesh's.
+  finished: async (...addresses) => {
+    const counts = [];
+    for (const address of addresses) {
+      let count = 0;
+      const manager = new LoadingManager();
+      manager.onLoad = () => count++;
+      const { object, complete } = await loadRadTex(address, { manager });
+      await complete;
+      counts.push(count);
+      object.dispose();
+    }
+    return counts;
+  },
+
   // The images of each object that three.js's own loader gives with the plugin, and how often each texture was asked for.
   imagesByGltf: async (file) => {
     performance.clearResourceTimings();
@@ -519,6 +553,29 @@ window.checks = {
     const made = await drawnInstead(view, copy);
     copy.dispose();
     return made;
+  },
+
+  // Instances of that, before and after the graphics device was lost.
+  instancesOfMixed: async (view) => {
+    const { mixed } = window;
+    mixed.lamps.get("key").setScalar(2);
+    mixed.visible = true;
+    await checks.one(view);
+    const instances = mixed.meshes.map((mesh) => {
+      const instance = new InstancedMesh(mesh.geometry, mesh.material, 1);
+      instance.setMatrixAt(0, mesh.matrixWorld);
+      return instance;
+    });
+    const alone = async () => {
+      mixed.visible = false;
+      const made = await drawnInstead(view, ...instances);
+      mixed.visible = true;
+      return made;
+    };
+    const before = await alone();
+    await lostAndBack(view);
+    while (!mixed.textures.size) await new Promise((done) => setTimeout(done, 20));
+    return [before, await alone()];
   },
 
   one: (view, screen) => drawn(perspective(view), view[2], view[3], screen),
