@@ -6,10 +6,12 @@ from __future__ import annotations
 
 import functools
 import http.server
+import io
 import json
 import re
 import shutil
 import struct
+import subprocess
 import threading
 import tomllib
 from collections.abc import Callable, Iterator
@@ -21,7 +23,9 @@ from typing import Any, ClassVar
 
 import numpy as np
 import pytest
+from PIL import Image
 
+from radtex_addon.export.gltf import EXTENSION, UNLIT
 from radtex_addon.formats.containers.glb import Glb
 from radtex_addon.report.metrics import Picture
 from tests.real.browser import Shown, decoded
@@ -29,7 +33,7 @@ from tests.real.exhibit import CAMERAS, Bake, Camera, Exhibit, decibels
 from tests.real.mirror_scene import SKY
 from tests.real.root import REPOSITORY
 from tests.real.test_web_bytes import WHOLE
-from tests.real.web import NO_BLOCKS, SOURCES, Site, aces, encoded, node
+from tests.real.web import NO_BLOCKS, SOURCES, Site, aces, encoded, exported, node
 
 INSIDE = REPOSITORY / "tests/real/inside"
 GUIDE = REPOSITORY / "docs/three.md"
@@ -105,6 +109,7 @@ def packed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     facts = next(iter(told.values())) if isinstance(told, dict) else told[0]
     names = {file["path"] for file in facts["files"]}
     assert {"package.json", "README.md", "LICENSE", "dist/radtex-three.js", "dist/types/index.d.ts"} <= names
+    assert {"dist/gltf-transform.js", "dist/types/gltf_transform.d.ts"} <= names
     assert "dist/LICENSES.txt" in names  # of what the bundle holds
     assert not {name for name in names if name.startswith(("src/", "page/", "node_modules/"))}
     print(f"npm pack: {facts['size']} bytes, {len(names)} files")
@@ -796,6 +801,141 @@ def test_three_js_s_gltf_loader_shows_the_radiance(
         found = decibels(picture(facts[seen], FRONT), one, mask)
         print(f"{form}, GLTFLoader, {seen}: {found:.1f} dB")
         assert found >= SAME
+
+
+@pytest.fixture(scope="module")
+def transformer(packed: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with gltf-transform and the packed package, and the guide's settings and script for it."""
+    folder = tmp_path_factory.mktemp("transform")
+    version = json.loads((SOURCES / "package.json").read_text())["devDependencies"]["@gltf-transform/core"]
+    (folder / "package.json").write_text('{"private": true, "type": "module"}')
+    (tarball,) = packed.glob("*.tgz")
+    node(
+        *("npm", "--loglevel=error", "install", f"--prefix={folder}", "--no-audit", "--no-fund"),
+        *("--ignore-scripts", "--no-package-lock", str(tarball), f"@gltf-transform/cli@{version}"),
+    )
+    settings, script = blocks_of(GUIDE.read_text(encoding="utf-8"), "javascript")
+    (folder / "gltf-transform.config.mjs").write_text(settings)
+    (folder / "optimize.mjs").write_text(script)
+    return folder
+
+
+def gltf_transform(transformer: Path, *arguments: str, kept: bool = True) -> None:
+    """Run gltf-transform's command, with the package's extension if bakes are to be `kept`."""
+    command = transformer / "node_modules/@gltf-transform/cli/bin/cli.js"
+    settings = ("--config", str(transformer / "gltf-transform.config.mjs")) if kept else ()
+    node("node", str(command), *arguments, *settings)
+
+
+def bakes_and_attributes(mesh: Path) -> tuple[list[Any], set[str], list[str]]:
+    """Of a .glb: each material's bake and whether it is unlit, what all primitives have, its extensions."""
+    document = Glb.read(mesh).document
+    bakes = [
+        (
+            material["pbrMetallicRoughness"].get("baseColorTexture", {}).get("extensions", {}).get(EXTENSION),
+            UNLIT in material.get("extensions", {}),
+        )
+        for material in document["materials"]
+    ]
+    primitives = [set(each["attributes"]) for mesh in document["meshes"] for each in mesh["primitives"]]
+    return bakes, set.intersection(*primitives), document["extensionsUsed"]
+
+
+def slots_of(mesh: Path) -> list[list[Any]]:
+    """Of each material of a .glb: its factors, and whether it has each of the textures that lookups read."""
+    found = []
+    for material in Glb.read(mesh).document["materials"]:
+        shading = material["pbrMetallicRoughness"]
+        factors = [
+            *shading.get("baseColorFactor", [1, 1, 1, 1]),
+            shading.get("metallicFactor", 1),
+            shading.get("roughnessFactor", 1),
+            material.get("normalTexture", {}).get("scale", 1),
+        ]
+        textures = ["baseColorTexture" in shading, "metallicRoughnessTexture" in shading]
+        found.append([[round(each, 5) for each in factors], *textures, "normalTexture" in material])
+    return found
+
+
+@FORMS
+def test_gltf_transform_keeps_bakes(
+    app: Callable[[str], App], web: Site, exhibit: Exhibit, transformer: Path, form: str
+) -> None:
+    """The guide's script changes no pixel, `optimize` few; without the package the bake is lost."""
+    page, mask = app(form), getattr(exhibit, form).eroded(FRONT)
+    one = page.light("one", FRONT)
+    folder = web.folder / f"{form}-transformed"
+    shutil.copytree(web.folder / form, folder)
+    (mesh,) = folder.glob("*.glb")
+    files = {name: folder / f"{mesh.stem}-{name}.glb" for name in ("without", "script", "medium", "default")}
+    gltf_transform(transformer, "optimize", str(mesh), str(files["without"]), kept=False)
+    node("node", str(transformer / "optimize.mjs"), str(mesh), str(files["script"]))
+    medium = ("--meshopt-level", "medium", "--simplify", "false")
+    gltf_transform(transformer, "optimize", str(mesh), str(files["medium"]), *medium)
+    gltf_transform(transformer, "optimize", str(mesh), str(files["default"]))
+
+    before, attributes, _ = bakes_and_attributes(mesh)
+    lost, few, _ = bakes_and_attributes(files.pop("without"))
+    assert not any(facts for facts, _ in lost)
+    assert few == {"POSITION", "TEXCOORD_0"} < attributes
+    for name, least in (("script", 90), ("medium", 50), ("default", 44)):
+        kept, had, used = bakes_and_attributes(files[name])
+        assert (kept, had) == (before, attributes), name
+        assert {EXTENSION, UNLIT, "EXT_meshopt_compression"} <= set(used)
+        facts = page.ask("byGltf", FRONT, f"../{folder.name}/{files[name].name}")
+        found = decibels(picture(facts["light"], FRONT), one, mask)
+        print(f"{form}, {name}: {files[name].stat().st_size} bytes, {found:.1f} dB")
+        assert not facts["told"]
+        assert found >= least, name
+
+
+def test_gltf_transform_keeps_what_images_need(transformer: Path, crate: Bake, tmp_path: Path) -> None:
+    """Both UV maps, and also images of one colour, which prune would make the material's factors."""
+    exported(crate, tmp_path / "crate")
+    mesh, small = tmp_path / "crate/Crate.glb", tmp_path / "crate/small.glb"
+    glb = Glb.read(mesh)
+    buffer = io.BytesIO()
+    Image.new("RGB", (8, 8), (255, 128, 200)).save(buffer, "PNG")
+    view = glb.add_view(buffer.getvalue())
+    for image in glb.document["images"]:
+        image.update(bufferView=view, mimeType="image/png")
+    glb.write(mesh)
+    gltf_transform(transformer, "prune", str(mesh), str(small), kept=False)
+    assert slots_of(small) != slots_of(mesh)
+    gltf_transform(transformer, "prune", str(mesh), str(small))
+    before, attributes, _ = bakes_and_attributes(mesh)
+    kept, had, _ = bakes_and_attributes(small)
+    assert (kept, had) == (before, attributes)
+    assert "TEXCOORD_1" in had
+    assert slots_of(small) == slots_of(mesh)
+    assert slots_of(mesh)[0][1:] == [True, True, True]
+
+
+def test_gltf_transform_refuses_what_breaks_a_bake(
+    web: Site, exhibit: Exhibit, crate: Bake, transformer: Path, tmp_path: Path
+) -> None:
+    """Also positions in whole numbers where there are normal maps: these scale with the node."""
+    exported(crate, tmp_path / "crate")
+    with pytest.raises(subprocess.CalledProcessError) as refused:
+        gltf_transform(
+            transformer, "quantize", str(tmp_path / "crate/Crate.glb"), str(tmp_path / "crate/small.glb")
+        )
+    assert "POSITION of the mesh Crate" in refused.value.stdout + refused.value.stderr
+    (mesh,) = web.add("plain", exhibit.plain).glob("*.glb")
+    changed = tmp_path / "changed.glb"
+    with pytest.raises(subprocess.CalledProcessError) as refused:
+        gltf_transform(transformer, "draco", str(mesh), str(changed))
+    assert "take meshopt in its place" in refused.value.stdout + refused.value.stderr
+    (transformer / "spoil.mjs").write_text(
+        (transformer / "optimize.mjs")
+        .read_text()
+        .replace("dedup, prune, weld", "prune, unlit")
+        .replace("dedup(), weld(), prune()", "unlit(), prune()")
+    )
+    with pytest.raises(subprocess.CalledProcessError) as refused:
+        node("node", str(transformer / "spoil.mjs"), str(mesh), str(changed))
+    assert "NORMAL of the mesh Suzanne is lost" in refused.value.stderr
+    assert not changed.exists()
 
 
 def test_a_gltf_without_its_textures_keeps_the_flat_lightmap(app: Callable[[str], App], web: Site) -> None:
