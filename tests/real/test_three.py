@@ -1032,12 +1032,28 @@ def test_types_are_found_by_typescript(packed: Path) -> None:
         "const material = ours.meshes[0]?.material;\n"
         "if (material instanceof RadTexMaterial) material.tint.set(1);\n"
     )
+    check_types(packed / "typed.ts")
+
+
+def test_types_for_gltf_transform_are_found_by_typescript(transformer: Path) -> None:
+    (transformer / "typed.ts").write_text(
+        'import { NodeIO } from "@gltf-transform/core";\n'
+        'import { type RadianceTexture, RadTexRadianceTexture } from "radtex-three/gltf-transform";\n'
+        "const io = new NodeIO().registerExtensions([RadTexRadianceTexture]);\n"
+        'const [material] = (await io.read("a.glb")).getRoot().listMaterials();\n'
+        'const bake = material?.getExtension<RadianceTexture>("RADTEX_radiance_texture");\n'
+        "const unlit: boolean | undefined = bake?.getUnlit(); console.log(unlit, bake?.getFacts()['name']);\n"
+    )
+    check_types(transformer / "typed.ts")
+
+
+def check_types(script: Path) -> None:
     for resolution in ("bundler", "nodenext"):
         module = "esnext" if resolution == "bundler" else "nodenext"
         node(
             *("npx", "tsc", "--noEmit", "--ignoreConfig", "--strict", "--target", "es2022", "--skipLibCheck"),
             *("--module", module, "--moduleResolution", resolution, "--lib", "es2023,dom,dom.iterable"),
-            str(packed / "typed.ts"),
+            str(script),
         )
 
 

@@ -31,7 +31,8 @@ const COLOUR = { channels: R | G | B, isColor: true };
 const NORMAL = { channels: R | G | B };
 const METAL = { channels: G | B };
 
-const AGAIN = "begin with RadTex's export, and register RadTexRadianceTexture for each step";
+const AGAIN =
+  "begin with RadTex's export, register RadTexRadianceTexture for each step, and install gltf-transform beside radtex-three";
 const SCALED =
   "is in whole numbers, which scale its node, and so its normal map: leave positions as they are, as by --compress false";
 
