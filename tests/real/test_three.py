@@ -926,16 +926,29 @@ def test_gltf_transform_refuses_what_breaks_a_bake(
     with pytest.raises(subprocess.CalledProcessError) as refused:
         gltf_transform(transformer, "draco", str(mesh), str(changed))
     assert "take meshopt in its place" in refused.value.stdout + refused.value.stderr
-    (transformer / "spoil.mjs").write_text(
-        (transformer / "optimize.mjs")
-        .read_text()
-        .replace("dedup, prune, weld", "prune, unlit")
-        .replace("dedup(), weld(), prune()", "unlit(), prune()")
-    )
+    script = (transformer / "optimize.mjs").read_text().replace("dedup, prune, weld", "prune, unlit")
+    (transformer / "spoil.mjs").write_text(script.replace("dedup(), weld(), prune()", "unlit(), prune()"))
     with pytest.raises(subprocess.CalledProcessError) as refused:
         node("node", str(transformer / "spoil.mjs"), str(mesh), str(changed))
     assert "NORMAL of the mesh Suzanne is lost" in refused.value.stderr
     assert not changed.exists()
+
+
+def test_gltf_transform_can_leave_a_bake_out(
+    web: Site, exhibit: Exhibit, transformer: Path, tmp_path: Path
+) -> None:
+    """What stays is the flat lightmap, as bright as it is: the material is still unlit."""
+    (mesh,) = web.add("plain", exhibit.plain).glob("*.glb")
+    script = (transformer / "optimize.mjs").read_text()
+    line = "await document.transform(dedup(), weld(), prune());"
+    assert line in script
+    (transformer / "without.mjs").write_text(
+        script.replace(line, f'document.disposeExtension("{EXTENSION}");')
+    )
+    node("node", str(transformer / "without.mjs"), str(mesh), str(tmp_path / "flat.glb"))
+    kept, _, used = bakes_and_attributes(tmp_path / "flat.glb")
+    assert kept == [(None, True)]
+    assert EXTENSION not in used
 
 
 def test_a_gltf_without_its_textures_keeps_the_flat_lightmap(app: Callable[[str], App], web: Site) -> None:

@@ -44,6 +44,7 @@ export type Facts = Record<string, unknown>;
 interface IRadianceTexture extends IProperty {
   facts: Facts;
   unlit: boolean;
+  unlitProperty: ExtensionProperty;
   baseColorFactor: vec4;
   metallicFactor: number;
   roughnessFactor: number;
@@ -82,6 +83,7 @@ export class RadianceTexture extends ExtensionProperty<IRadianceTexture> {
       ...(super.getDefaults() as IProperty),
       facts: {},
       unlit: false,
+      unlitProperty: null,
       baseColorFactor: [1, 1, 1, 1],
       metallicFactor: 1,
       roughnessFactor: 1,
@@ -124,8 +126,10 @@ export class RadianceTexture extends ExtensionProperty<IRadianceTexture> {
     return this.getRef("normalTexture") !== null;
   }
 
-  /** Hold the textures that a material has now; `facts` and `unlit` are set before. */
+  /** Hold the textures that a material has now, and take KHR_materials_unlit away; `facts` and `unlit` are set before. */
   public hold(material: Material): this {
+    this.setRef("unlitProperty", material.getExtension(UNLIT));
+    material.setExtension(UNLIT, null);
     const base = material.getBaseColorTexture();
     this.set("baseColorFactor", material.getBaseColorFactor());
     this.set("metallicFactor", material.getMetallicFactor());
@@ -140,6 +144,13 @@ export class RadianceTexture extends ExtensionProperty<IRadianceTexture> {
     this.getRef("frameNormalTextureInfo")?.setTexCoord(this.getTexCoord());
     return this;
   }
+
+  /** Give the material back what `hold` took away from it. */
+  public release(material: Material): void {
+    const unlit = this.getRef("unlitProperty");
+    if (unlit) material.setExtension(UNLIT, unlit);
+  }
+
   /** Give the material's JSON what was taken from it, or what `prune()` has removed since. */
   public restore(material: Material, definition: MaterialDef, context: WriterContext): void {
     const shading = (definition.pbrMetallicRoughness ??= {});
@@ -187,6 +198,14 @@ export class RadTexRadianceTexture extends Extension {
     return new RadianceTexture(this.document.getGraph() as Graph<Property>);
   }
 
+  /** Remove the extension from the document; materials are as they would be without it. */
+  public override dispose(): void {
+    for (const material of this.document.getRoot().listMaterials()) {
+      material.getExtension<RadianceTexture>(EXTENSION)?.release(material);
+    }
+    super.dispose();
+  }
+
   public override read(context: ReaderContext): this {
     for (const [place, definition] of (context.jsonDoc.json.materials ?? []).entries()) {
       const facts = definition.pbrMetallicRoughness?.baseColorTexture?.extensions?.[EXTENSION];
@@ -195,7 +214,7 @@ export class RadTexRadianceTexture extends Extension {
       const bake = this.createRadianceTexture();
       bake.setFacts(structuredClone(facts) as Facts);
       bake.setUnlit(definition.extensions?.[UNLIT] !== undefined);
-      material.setExtension(UNLIT, null).setExtension(EXTENSION, bake.hold(material));
+      material.setExtension(EXTENSION, bake.hold(material));
     }
     return this;
   }
@@ -232,7 +251,8 @@ export class RadTexRadianceTexture extends Extension {
       for (const primitive of mesh.listPrimitives()) {
         const bake = bakes.get(primitive.getMaterial() as Material);
         if (!bake) continue;
-        const wanted = ["POSITION", "NORMAL", "TANGENT", `TEXCOORD_${bake.getTexCoord()}`];
+        const maps = bake.getTexCoord() === 0 ? ["TEXCOORD_0"] : ["TEXCOORD_0", "TEXCOORD_1"];
+        const wanted = ["POSITION", "NORMAL", "TANGENT", ...maps];
         const lacking = wanted.filter((each) => !primitive.getAttribute(each));
         if (lacking.length) {
           throw new Error(`${lacking.join(" and ")} of ${name} is lost, by which its bake is looked up: ${AGAIN}.`);
