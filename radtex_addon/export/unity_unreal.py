@@ -97,8 +97,9 @@ def baked_matrix(glb: Glb) -> Floats:
 def carry_frame(glb: Glb) -> None:
     """Move each primitive's tangents into four more uv sets, with the normals, both in the world of the bake.
 
-    They are not normalised, so that they are interpolated as the bake's own are. TANGENT goes away: what no
-    shader reads, an importer need not turn. NORMAL stays, for the shadows of engines.
+    They are not normalised, so that they are interpolated as the bake's own are; but where materials are
+    shown by their own images: a normal map weighs one by the other. TANGENT goes away: what no shader reads,
+    an importer need not turn. NORMAL stays, for the shadows of engines.
     """
     baked = baked_matrix(glb)[:, :3]
     of_normals, mirrored = np.linalg.inv(baked).T, np.sign(np.linalg.det(baked))
@@ -108,14 +109,16 @@ def carry_frame(glb: Glb) -> None:
             normal = glb.accessor(attributes["NORMAL"]) @ of_normals.T
             frame = glb.accessor(attributes.pop("TANGENT"))
             tangent, side = frame[:, :3] @ baked.T, frame[:, 3] * mirrored
+            of_images = "TEXCOORD_1" in attributes
+            if of_images:
+                normal, tangent = (normalised(each).astype(np.float32) for each in (normal, tangent))
             sets = [
                 tangent[:, :2],
                 np.column_stack([tangent[:, 2], side]),
                 normal[:, :2],
                 np.column_stack([normal[:, 2], np.zeros(len(normal))]),
             ]
-            first = 2 if "TEXCOORD_1" in attributes else 1
-            for number, values in enumerate(sets, first):
+            for number, values in enumerate(sets, 2 if of_images else 1):
                 attributes[f"TEXCOORD_{number}"] = glb.add_vertices(values)
     glb.compact()
 

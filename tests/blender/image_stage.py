@@ -68,9 +68,13 @@ def texture_set(name: str = "Painted", shift: float = 0.0) -> bpy.types.Material
 
 
 def crate(*materials: bpy.types.Material) -> Any:
-    """A box on a UV layer of its own, one side of it of the second material, if there are two."""
-    bpy.ops.mesh.primitive_cube_add(size=2, location=(0.3, -0.2, 0.5), rotation=(0.1, 0.2, 0.4))
+    """A box on a UV layer of its own, one side of it of the second material, if there are two.
+
+    The object has a scale, which its normal map must not show.
+    """
+    bpy.ops.mesh.primitive_cube_add(size=0.5, location=(0.3, -0.2, 0.5), rotation=(0.1, 0.2, 0.4))
     box = context.object
+    box.scale = (4.0, 4.0, 4.0)
     box.name = NAME
     box.data.uv_layers[0].name = UVS
     for material in materials:

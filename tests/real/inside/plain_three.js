@@ -3,11 +3,13 @@
 // three.js as anybody uses it: load a .glb, draw it, and tell what the screen would show.
 
 import { Matrix4, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from "three";
+import { MeshoptDecoder } from "three/examples/jsm/libs/meshopt_decoder.module.js";
 import { GLTFLoader } from "three/examples/jsm/loaders/GLTFLoader.js";
 
 // The picture's bytes in [0, 1], float32 in base64, rows from the top; the camera as window.radtex takes it.
 window.draw = async (file, [matrix, fovy, width, height]) => {
-  const { scene: model } = await new GLTFLoader().loadAsync(file);
+  const loader = new GLTFLoader().setMeshoptDecoder(MeshoptDecoder); // meshes of web exports are compressed
+  const { scene: model } = await loader.loadAsync(file);
   const scene = new Scene().add(model);
   const camera = new PerspectiveCamera((fovy * 180) / Math.PI, width / height, 0.1, 100);
   new Matrix4().fromArray(matrix).transpose().decompose(camera.position, camera.quaternion, new Vector3());

@@ -94,8 +94,9 @@ def _texels(prepared: Prepared, capture: LayeredSamples, layer: str, triangle: I
         mixed: Floats = np.einsum("kc,kcx->kx", weight, corners)
         return mixed
 
-    tangent, sign = _tangents(surface, uv)
-    normal, along = at(surface.normal[faces]), at(tangent[faces])
+    corner = _corner_normals(surface)
+    tangent, sign = calc_tangents(surface.position, surface.triangles, corner, uv)
+    normal, along = at(corner[faces]), at(tangent[faces])
     bitangent = sign[faces, :1] * np.cross(normal, along)
 
     def seen(name: str) -> Floats:
@@ -117,10 +118,13 @@ def _layer_uv(prepared: Prepared, layer: str) -> Floats:
     return np.concatenate(found)
 
 
-def _tangents(surface: SurfaceMesh, uv: Floats) -> tuple[Floats, Floats]:
-    """MikkTSpace's tangents (F, 3, 3) and signs (F, 3) at the corners, in world space."""
-    normal = normalised(surface.normal.reshape(-1, 3)).reshape(-1, 3, 3).astype(np.float32)
-    return calc_tangents(surface.position, surface.triangles, normal, uv)
+def _corner_normals(surface: SurfaceMesh) -> Floats:
+    """The unit normals at the triangles' corners in world space, (F, 3, 3) float32.
+
+    The surface's own have another length where the object is scaled, and a normal map would be weighed by it.
+    """
+    unit: Floats = normalised(surface.normal.reshape(-1, 3)).reshape(-1, 3, 3).astype(np.float32)
+    return unit
 
 
 def _fitted(material: ImageMaterial, texels: _Texels, mean: Floats) -> ImageLook | None:

@@ -51,6 +51,8 @@ void main() {
     v_uv = vec2(uv.x, 1.0 - uv.y);  // glTF's v grows downwards
 #ifdef IMAGES
     v_uv_images = uv_images;
+    v_normal = normalize(v_normal);  // a normal map weighs one by the other, also where the node is scaled
+    v_tangent.xyz = normalize(v_tangent.xyz);
 #endif
     vec3 towards = vec3(viewMatrix[0][2], viewMatrix[1][2], viewMatrix[2][2]);
     v_eye = isOrthographic ? mat3(back) * towards : (back * vec4(cameraPosition, 1.0)).xyz;
