@@ -103,7 +103,8 @@ def test_the_page_asks_for_no_file_elsewhere(spoil: Callable[[Path], None], says
     shutil.copytree(EXTENSION_FOLDER / "example", folder, dirs_exist_ok=True)
     spoil(folder)
     before = "window.asked = []; const real = window.fetch; window.fetch = (...all) => "
-    before += "{ window.asked.push(new URL(all[0].url ?? all[0], location.href).href); return real(...all); };"
+    before += "{ window.asked.push(new URL(all[0].url ?? all[0], location.href).href); "
+    before += "return real(...all); };"
     with web.opened(f"{folder.name}/?bake=Ball.export.json", before=before) as shown:
         shown.page.locator("#message").wait_for(state="visible", timeout=20_000)
         assert says in shown.page.locator("#message").inner_text()
