@@ -236,7 +236,8 @@ def test_several_warnings_of_a_finished_job_are_one_line_until_it_is_clicked(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     plane()
-    jobs.submit(context.scene, [plan_bakes(context.scene, request_of(values_of(settings()), ("Card",)))])
+    values = values_of(settings()) | {"texels": 4, "bucket": 2, "samples": 1, "preview": False}
+    jobs.submit(context.scene, [plan_bakes(context.scene, request_of(values, ("Card",)))])
     finish_jobs()
     (job,) = jobs.snapshot()
     two = Message("this is noisy"), Message("that is empty")
