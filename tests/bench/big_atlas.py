@@ -93,21 +93,9 @@ def _layered(scene: str, sides: list[int], samples: int, out: Path) -> None:
         used = _watched([*_BAKE, str(blend), "--object", name, *options, "--progress", "none"], place)
         size = sum(path.stat().st_size for path in place.glob("*.exr")) / 1e6
         page = place / "report.html"
-        judge = [
-            "report",
-            str(place),
-            "--scene",
-            str(blend),
-            "--pixels",
-            "512",
-            "--samples",
-            "48",
-            "--out",
-            str(page),
-        ]
-        said = subprocess.run(
-            [*_BAKE, *judge, "--progress", "json"], check=True, stdout=subprocess.PIPE, text=True
-        ).stdout
+        judge = ["report", str(place), "--scene", str(blend), "--out", str(page)]
+        judge += ["--pixels", "512", "--samples", "48", "--progress", "json"]
+        said = subprocess.run([*_BAKE, *judge], check=True, stdout=subprocess.PIPE, text=True).stdout
         found = re.search(r"([0-9.]+) dB", said)
         psnr = found[1] if found else "?"
         row = [side, samples, *(f"{value:.0f}" for value in used[:3]), f"{used[3]:.1f}", f"{used[4]:.1f}"]

@@ -149,9 +149,7 @@ def test_linked_things_fonts_and_volumes_come_along(
     _make_library(library)
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     stage.world()
-    libraries: Any = bpy.data.libraries
-    with libraries.load(str(library), link=True) as (_, wanted):
-        wanted.objects = ["Linked"]
+    _link(library, objects="Linked")
     bpy.ops.mesh.primitive_cube_add()
     bpy.context.object.name = BOX
     for item in (bpy.data.objects["Linked"], _text(), _volume(tmp_path)):
@@ -185,9 +183,7 @@ def test_an_object_that_would_lose_its_name_is_named(
     library = tmp_path / "library.blend"
     _make_library(library)
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-    libraries: Any = bpy.data.libraries
-    with libraries.load(str(library), link=True) as (_, wanted):
-        wanted.objects = ["Linked"]
+    _link(library, objects="Linked")
     bpy.ops.mesh.primitive_cube_add()
     bpy.context.object.name = BOX
     shown: Any = bpy.context.scene
@@ -214,9 +210,7 @@ def test_a_linked_collection_keeps_its_names(
     bpy.data.libraries.write(str(library), {things})
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     stage.world()
-    libraries: Any = bpy.data.libraries
-    with libraries.load(str(library), link=True) as (_, wanted):
-        wanted.collections = ["Things"]
+    _link(library, collections="Things")
     shown: Any = bpy.context.scene
     linked: Any = bpy.data.collections["Things"]
     shown.collection.children.link(linked)
@@ -238,6 +232,14 @@ def _make_library(path: Path) -> None:
     linked.location.x = 9
     linked.keyframe_insert("location", frame=9)
     bpy.data.libraries.write(str(path), {linked})
+
+
+def _link(library: Path, **wanted: str) -> None:
+    """Link one data-block of each kind, by its name, from a file."""
+    libraries: Any = bpy.data.libraries
+    with libraries.load(str(library), link=True) as (_, found):
+        for kind, name in wanted.items():
+            setattr(found, kind, [name])
 
 
 def _text() -> bpy.types.Object:
