@@ -106,12 +106,14 @@ def carry_frame(glb: Glb) -> None:
     for mesh in glb.document["meshes"]:
         for primitive in mesh["primitives"]:
             attributes = primitive["attributes"]
-            normal = glb.accessor(attributes["NORMAL"]) @ of_normals.T
-            frame = glb.accessor(attributes.pop("TANGENT"))
-            tangent, side = frame[:, :3] @ baked.T, frame[:, 3] * mirrored
+            of_file: Floats = glb.accessor(attributes["NORMAL"])
+            frame: Floats = glb.accessor(attributes.pop("TANGENT"))
+            normal: Floats = of_file @ of_normals.T
+            tangent: Floats = frame[:, :3] @ baked.T
+            side = frame[:, 3] * mirrored
             of_images = "TEXCOORD_1" in attributes
             if of_images:
-                normal, tangent = (normalised(each).astype(np.float32) for each in (normal, tangent))
+                normal, tangent = normalised(normal), normalised(tangent)
             sets = [
                 tangent[:, :2],
                 np.column_stack([tangent[:, 2], side]),

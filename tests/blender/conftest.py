@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Iterator
+from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,8 @@ import pytest
 
 from radtex_addon.cli import interruption
 from radtex_addon.cli import main as batch_module
+from radtex_addon.ui.operators import bake_operator
+from radtex_addon.ui.panel import forecast
 from tests.blender import surroundings
 from tests.blender.batch_process import Batch, Outcome
 
@@ -53,6 +56,15 @@ def small_surroundings() -> Iterator[None]:
     """Let layered bakes in this process take small pictures of the surroundings."""
     with pytest.MonkeyPatch.context() as patch:
         surroundings.make_small(patch)
+        yield
+
+
+@pytest.fixture(scope="module", autouse=True)
+def enough_time() -> Iterator[None]:
+    """Let the panel look at all objects, however busy the machine: in a window it stops after a moment."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(forecast, "_PATIENCE", inf)
+        patch.setattr(bake_operator, "_PATIENCE", inf)
         yield
 
 
