@@ -7,4 +7,9 @@ declare module "*.glsl" {
   export default text;
 }
 
+declare module "*.wgsl" {
+  const text: string;
+  export default text;
+}
+
 declare module "*.css";

@@ -33,7 +33,10 @@ _FLAGS = (
     "--hide-scrollbars",
     "--remote-debugging-port=0",
 )
-SOFTWARE_GL = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist")
+SOFTWARE_GL = (  # and a WebGPU that is software, too
+    *("--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"),
+    "--enable-unsafe-webgpu",
+)
 HARD_EDGES = "--webgl-antialiasing-mode=none"  # a picture is drawn in half the time
 # Tells which callbacks wait for the next frame: a page of ours draws in those alone.
 _COUNT_FRAMES = """{

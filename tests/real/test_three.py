@@ -28,8 +28,10 @@ from PIL import Image
 from radtex_addon.export.gltf import EXTENSION, UNLIT
 from radtex_addon.formats.containers.glb import Glb
 from radtex_addon.report.metrics import Picture
+from radtex_addon.settings.spec import Kind
 from tests.real.browser import Shown, decoded
 from tests.real.exhibit import CAMERAS, Bake, Camera, Exhibit, decibels
+from tests.real.kinds import KindBake
 from tests.real.mirror_scene import SKY
 from tests.real.root import REPOSITORY
 from tests.real.test_web_bytes import WHOLE
@@ -110,6 +112,7 @@ def packed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     names = {file["path"] for file in facts["files"]}
     assert {"package.json", "README.md", "LICENSE", "dist/radtex-three.js", "dist/types/index.d.ts"} <= names
     assert {"dist/gltf-transform.js", "dist/types/gltf_transform.d.ts"} <= names
+    assert {"dist/webgpu.js", "dist/webgpu.bundle.js", "dist/types/webgpu.d.ts"} <= names
     assert "dist/LICENSES.txt" in names  # of what the bundle holds
     assert not {name for name in names if name.startswith(("src/", "page/", "node_modules/"))}
     print(f"npm pack: {facts['size']} bytes, {len(names)} files")
@@ -514,11 +517,129 @@ def test_webgpu_renderer_shows_the_flat_lightmap_and_says_why(
     said = [line for line in facts["told"] if "WebGPURenderer" in line]
     print(facts["told"])
     assert len(said) == 1
-    assert "Draw it by three.js’s WebGLRenderer" in said[0]
+    assert "Load it with `nodes` of radtex-three/webgpu" in said[0]
     assert "WebGPURenderer" in facts["problem"]
     found = decibels(picture(facts["light"], FRONT), flat, getattr(exhibit, form).eroded(FRONT))
     print(f"{form}, WebGPURenderer: {found:.1f} dB")
     assert found >= 35
+
+
+TINT = [0.5, 0.25, 2.0]
+LOOK = {"own": [0.5, 0.5, 0.5], "tint": TINT, "exposure": 4}
+AS_MOVED = np.array(CHANGE).ravel().tolist()
+
+
+@FORMS
+@pytest.mark.parametrize("gpu", [True, False], ids=["WebGPU", "WebGL 2"])
+def test_webgpu_renderer_draws_it_by_nodes(
+    web: Site, exhibit: Exhibit, bundled: Path, form: str, gpu: bool
+) -> None:
+    """As WebGLRenderer does: moved, multiplied, faded, of instances and batches, in fog, by any camera."""
+    ways: list[dict[str, Any]] = [
+        {},
+        {"change": AS_MOVED},
+        {"look": LOOK},
+        {"kind": "material", "look": LOOK},
+        {"kind": "instances", "colour": TINT, "change": AS_MOVED},
+        {"kind": "batch", "colour": TINT, "change": AS_MOVED},
+        {"fog": [0.0, 20.0]},
+        {"side": 1.5},
+        {"look": {"opacity": 0}},
+        {"look": {"opacity": 0.5}, "backdrop": 0.8},
+    ]
+    with opened(web, exhibit, form, bundled) as page:
+        one = page.light("one", FRONT)
+        wanted = [one, one, 2 * np.array(TINT) * one, 2 * np.array(TINT) * one, *[np.array(TINT) * one] * 2]
+        wanted += [page.light("fog", FRONT, 0.0, 20.0), page.light("orthographic", FRONT, 1.5), 0 * one]
+        wanted.append(0.5 * one + 0.5 * 0.8)
+        facts = page.ask("byNodes", FRONT, gpu, ways)
+    print(facts["told"], facts["counts"], facts["textures"])
+    assert facts["gpu"] == gpu
+    assert not facts["told"]
+    assert facts["counts"][0] - facts["counts"][1] >= facts["textures"]
+    mask = getattr(exhibit, form).eroded(FRONT)
+    for way, made, reference in zip(ways, facts["pictures"], wanted, strict=True):
+        found = decibels(picture(made, FRONT), reference, mask | ("side" in way))
+        print(f"{form}, WebGPU {gpu}, {way}: {found:.1f} dB")
+        assert found >= 45
+
+
+@pytest.mark.parametrize("gpu", [True, False], ids=["WebGPU", "WebGL 2"])
+def test_nodes_show_materials_by_their_images(web: Site, crate: Bake, bundled: Path, gpu: bool) -> None:
+    with opened_in(web, web.add("crate", crate), bundled) as page:
+        one = page.light("one", FRONT)
+        facts = page.ask("byNodes", FRONT, gpu, [{}])
+    assert not facts["told"]
+    found = decibels(picture(facts["pictures"][0], FRONT), one, crate.eroded(FRONT))
+    print(f"crate, WebGPU {gpu}: {found:.1f} dB")
+    assert found >= 45
+
+
+@FORMS
+@pytest.mark.parametrize("gpu", [True, False], ids=["WebGPU", "WebGL 2"])
+def test_nodes_show_textures_that_were_loaded_once_more(
+    web: Site, exhibit: Exhibit, bundled: Path, form: str, gpu: bool
+) -> None:
+    """Also of instances and copies of the material; and the whole light, after a layer that WGSL lacks."""
+    with opened(web, exhibit, form, bundled) as page:
+        one = page.light("one", FRONT)
+        facts = page.ask("nodesLater", FRONT, gpu)
+    print(facts["layer"], facts["problem"], facts["told"])
+    mask = getattr(exhibit, form).eroded(FRONT)
+    for name, made in facts["pictures"].items():
+        found = decibels(picture(made, FRONT), one, mask)
+        print(f"{form}, WebGPU {gpu}, {name}: {found:.1f} dB")
+        assert found >= 45
+    refused = gpu and facts["layer"] != "whole"
+    assert bool(facts["problem"]) == refused
+    assert len(facts["told"]) == refused
+    assert facts["after"] is None
+
+
+@pytest.mark.parametrize("gpu", [True, False], ids=["WebGPU", "WebGL 2"])
+def test_nodes_say_what_wgsl_cannot_show(web: Site, exhibit: Exhibit, bundled: Path, gpu: bool) -> None:
+    """Lamps: by WebGPU the flat lightmap stays, with a reason; by WebGL 2 they are shown."""
+    with opened(web, exhibit, "layered", bundled) as page:
+        wanted = page.light("flatly", FRONT) if gpu else 2 * page.light("one", FRONT)
+        facts = page.ask("byNodes", FRONT, gpu, [{"lamp": True}])
+    found = decibels(picture(facts["pictures"][0], FRONT), wanted, exhibit.layered.eroded(FRONT))
+    print(facts["told"], f"{found:.1f} dB")
+    assert found >= 45
+    assert len(facts["told"]) == gpu
+    for line in facts["told"]:
+        assert "no WGSL for lamps" in line
+        assert "forceWebGL" in line
+
+
+@pytest.mark.parametrize("kind", [Kind.SHADOW, Kind.TRANSFER, Kind.AO])
+@pytest.mark.parametrize("gpu", [True, False], ids=["WebGPU", "WebGL 2"])
+def test_nodes_show_other_kinds(
+    web: Site, kind_bake: Callable[..., KindBake], bundled: Path, kind: Kind, gpu: bool
+) -> None:
+    """WGSL has none of those that a sun lights: the flat lightmap stays, with a reason."""
+    made = kind_bake(kind)
+    refused = gpu and kind is not Kind.AO
+    with opened_in(web, web.add(f"nodes-{kind}", made), bundled) as page:
+        wanted = page.light("flatly" if refused else "one", FRONT)
+        facts = page.ask("byNodes", FRONT, gpu, [{}])
+    found = decibels(picture(facts["pictures"][0], FRONT), wanted, made.eroded(FRONT))
+    print(kind, facts["told"], f"{found:.1f} dB")
+    assert found >= 45
+    assert len(facts["told"]) == refused
+    assert all(f"no WGSL for bakes of kind {kind}" in line for line in facts["told"])
+
+
+@FORMS
+def test_nodes_are_refused_by_the_other_renderer(
+    web: Site, exhibit: Exhibit, bundled: Path, form: str
+) -> None:
+    with opened(web, exhibit, form, bundled) as page:
+        flat = page.light("flatly", FRONT)
+        facts = page.ask("nodesElsewhere", FRONT)
+    print(facts["told"], facts["problem"])
+    assert "loaded with nodes" in facts["problem"]
+    assert "Load it without `nodes`" in " ".join(facts["told"])
+    assert decibels(picture(facts["light"], FRONT), flat, getattr(exhibit, form).eroded(FRONT)) >= 35
 
 
 class Guarded(http.server.SimpleHTTPRequestHandler):

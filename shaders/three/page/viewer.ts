@@ -14,7 +14,6 @@ import {
   PerspectiveCamera,
   Raycaster,
   Scene,
-  type ShaderMaterial,
   Sphere,
   Spherical,
   Vector2,
@@ -27,6 +26,7 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import type { Filter } from "../src/filters";
 import type { RadTexScene } from "../src/load";
 import type { Manifest } from "../src/manifest";
+import type { Surface } from "../src/material";
 import { type MirrorState, RadTexMirror } from "../src/mirror";
 import type { RadTexObject } from "../src/radtex_object";
 import type { Sun } from "../src/sun";
@@ -389,7 +389,7 @@ export class Viewer {
     const { renderer } = this;
     const { width, height } = renderer.getDrawingBufferSize(new Vector2());
     const target = new WebGLRenderTarget(width, height, { type: FloatType });
-    const materialOf = (mesh: Mesh): ShaderMaterial => {
+    const materialOf = (mesh: Mesh): Surface => {
       const part = this.ownerOf(mesh);
       return flat ? part.flat : part.materialOf(mesh);
     };
@@ -411,7 +411,7 @@ export class Viewer {
     return { width, height, values };
   }
 
-  private render(materialOf: (mesh: Mesh) => ShaderMaterial): void {
+  private render(materialOf: (mesh: Mesh) => Surface): void {
     for (const mesh of this.meshes) {
       mesh.material = materialOf(mesh);
     }

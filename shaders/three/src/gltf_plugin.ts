@@ -93,7 +93,7 @@ async function objectOf(
   try {
     const { parts, map } = bakeOf(meshes, file);
     const flat = map ?? (await flatOf(manifest, base, requests));
-    object = placed(new RadTexObject(manifest, parts, flat), parent);
+    object = placed(new RadTexObject(manifest, parts, flat, [], options.nodes), parent);
     await filled(object, base, file, { ...options, requests }, reloaded);
   } catch (error) {
     if (!(error instanceof Problem)) throw error;
@@ -121,7 +121,7 @@ async function filled(
   reloaded: () => Shared,
 ): Promise<void> {
   const { manifest } = object;
-  const device = options.device ?? thisDevice();
+  const device = options.device ?? (options.nodes?.device ?? thisDevice)();
   const load = (asked: LoadOptions): Promise<void> =>
     completed(object, alone(loadTextures(manifest, base, device, asked)));
   known(object, file, options, oneAtATime(() => load({ ...again(options), shared: reloaded() })));

@@ -9,7 +9,7 @@ export { type Kind, KINDS } from "./kinds.js";
 export { type LoadOptions, loadRadTex, loadRadTexScene, type RadTex, type RadTexScene } from "./load.js";
 export { type LoaderOptions, RadTexLoader, RadTexSceneLoader } from "./loader.js";
 export { type Manifest, readManifest, type SceneManifest } from "./manifest.js";
-export { flatMaterial, type Look, type MaterialOptions, RadTexMaterial, SurfaceMaterial } from "./material.js";
+export { flatMaterial, type Look, type MaterialOptions, type Nodes, RadTexMaterial, type Surface, SurfaceMaterial } from "./material.js";
 export { type MirrorState, RadTexMirror } from "./mirror.js";
 export { Problem } from "./problem.js";
 export { RadTexObject } from "./radtex_object.js";

@@ -9,6 +9,7 @@ import { fetchBytes, fileName, fileUrl } from "./fetching.js";
 import { entriesOf, loadTextures, type TextureOptions } from "./load_textures.js";
 import { checkManifest, type Manifest, readAnyManifest, readManifest } from "./manifest.js";
 import { bakeBelow, loadMeshFile, type MeshFile } from "./mesh_file.js";
+import type { Nodes } from "./material.js";
 import type { Bake } from "./parts.js";
 import { Problem } from "./problem.js";
 import { RadTexObject } from "./radtex_object.js";
@@ -27,6 +28,8 @@ export interface LoadOptions extends TextureOptions, RequestOptions {
   lamps?: Readonly<Record<string, string | URL>>;
   /** Whether the textures are loaded again by themselves after the graphics device was taken away and came back; true by default. */
   restore?: boolean;
+  /** For WebGPURenderer: `nodes` of radtex-three/webgpu. */
+  nodes?: Nodes;
 }
 
 /** A bake that can be drawn. */
@@ -66,7 +69,7 @@ export async function loadRadTex(address: string | URL, options: LoadOptions = {
 
 async function radTexOf(address: string | URL, options: LoadOptions): Promise<RadTex> {
   const url = addressOf(address);
-  const device = options.device ?? thisDevice();
+  const device = options.device ?? (options.nodes?.device ?? thisDevice)();
   const asked = { ...options, requests: new Requests(options) };
   const [manifest, early] = url.pathname.endsWith(".glb")
     ? await manifestOfMesh(url, asked.requests)
@@ -81,7 +84,7 @@ export async function loadRadTexScene(address: string | URL, options: LoadOption
 
 async function sceneOf(address: string | URL, options: LoadOptions): Promise<RadTexScene> {
   const url = addressOf(address);
-  const device = options.device ?? thisDevice();
+  const device = options.device ?? (options.nodes?.device ?? thisDevice)();
   const requests = new Requests(options);
   const manifest = await readAnyManifest(url, requests);
   if (!("scene" in manifest)) {
@@ -102,7 +105,7 @@ async function sceneOf(address: string | URL, options: LoadOptions): Promise<Rad
   const parts = await Promise.all(
     manifests.map(async (part) => {
       const { parts: meshes, map } = bakeBelow(nodeOf(root, part.node, mesh), mesh);
-      return new RadTexObject(part, meshes, map ?? (await flatOf(part, url, requests)));
+      return new RadTexObject(part, meshes, map ?? (await flatOf(part, url, requests)), [], options.nodes);
     }),
   );
   const object = new Group();
@@ -204,7 +207,7 @@ async function loadOne(
     : await afterMesh(mesh, options.requests, () => load(options));
   const { parts, map } = bakeBelow(root, mesh);
   const flat = map ?? (await flatOf(manifest, url, options.requests));
-  const object = new RadTexObject(manifest, parts, flat, Object.keys(lamps));
+  const object = new RadTexObject(manifest, parts, flat, Object.keys(lamps), options.nodes);
   const reload = oneAtATime(() => {
     const once = again(options);
     const loading = Promise.all([load(once), imagesAgain(once.requests)]);

@@ -3,10 +3,14 @@
 // Materials of three.js that show a bake.
 
 import {
+  type Camera,
   Color,
   DoubleSide,
   FrontSide,
+  type Material,
   Matrix4,
+  type Mesh,
+  type Scene,
   ShaderMaterial,
   type Side,
   type Texture,
@@ -15,6 +19,7 @@ import {
   type WebGLRenderer,
 } from "three";
 
+import type { Device } from "./device.js";
 import { type Filter, filtersOf } from "./filters.js";
 import { type Lamp, lampParts, lampUniforms } from "./lamps.js";
 import { WHOLE } from "./layers.js";
@@ -24,7 +29,8 @@ import depth from "./shaders/depth.glsl";
 import flatLight from "./shaders/flat.glsl";
 import surface from "./shaders/surface.glsl";
 import surfaceVertex from "./shaders/surface.vert.glsl";
-import { uploadForFrame } from "./textures.js";
+import type { Problem } from "./problem.js";
+import { type BakeTexture, uploadForFrame } from "./textures.js";
 
 export interface MaterialOptions {
   /** How textures are filtered; by default the best that there is. */
@@ -50,6 +56,31 @@ export interface Look {
   exposure: { value: number };
 }
 
+/** A material of a baked surface, of WebGLRenderer's or of WebGPURenderer's. */
+export type Surface = Material & {
+  /** The colour that all its light is multiplied by. */
+  readonly tint: Color;
+  /** The number that all its light is multiplied by, as by `toneMappingExposure`: 2 is a stop more. */
+  exposure: number;
+  /** Whether what lies behind may be seen through it. */
+  readonly blended: boolean;
+};
+
+/** Makes materials for WebGPURenderer: `nodes` of radtex-three/webgpu. */
+export interface Nodes {
+  surface: (bake: Bake, options: MaterialOptions) => Surface;
+  flat: (manifest: Manifest, map: Texture, baked: Matrix4, look: Look) => Surface;
+  /** What the device takes, as far as it is known before there is a renderer. */
+  device: () => Device;
+  /** Put a texture onto the renderer's device, once. Throws a Problem where it does not fit there. */
+  upload: (texture: BakeTexture, renderer: unknown) => void;
+  /** A material that draws depth alone; and draw a mesh with it, now. */
+  depth: (side: Side) => Material;
+  drawDepth: (renderer: unknown, mesh: Mesh, scene: Scene, camera: Camera, material: Material) => void;
+  /** Why the renderer cannot show a bake's layer of light, if so. */
+  refusal: (bake: Bake, layer: string, renderer: unknown) => Problem | null;
+}
+
 /** A look that changes nothing. */
 export function plainLook(): Look {
   return { own: new Color(1, 1, 1), tint: new Color(1, 1, 1), exposure: { value: 1 } };
@@ -57,6 +88,10 @@ export function plainLook(): Look {
 
 /** A material of a baked surface. `opacity` below 1 needs `transparent`, as in all of three.js's materials. */
 export class SurfaceMaterial extends ShaderMaterial {
+  get blended(): boolean {
+    return "BLENDED" in this.defines;
+  }
+
   /** The colour that all its light is multiplied by. */
   get tint(): Color {
     return this.uniforms["u_tint"]?.value as Color;

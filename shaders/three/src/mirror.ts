@@ -9,7 +9,7 @@ import type { Filter } from "./filters.js";
 import { WHOLE } from "./layers.js";
 import type { MirrorEntry } from "./manifest.js";
 import { type Bake, partsOf } from "./parts.js";
-import { Problem } from "./problem.js";
+import { Problem, report } from "./problem.js";
 import ballVertex from "./shaders/ball.vert.glsl";
 import mirrorMain from "./shaders/mirror.glsl";
 import { type BakeTexture, uploadForFrame } from "./textures.js";
@@ -62,6 +62,7 @@ export class RadTexMirror extends Mesh<SphereGeometry, ShaderMaterial> {
     };
     this.material = this.assembled();
     this.onBeforeRender = (renderer): void => {
+      if (!("isWebGLRenderer" in renderer)) return this.refuse();
       uploadForFrame(bake.textures.values(), renderer as WebGLRenderer, bake.failed);
       if (bake.textures.get("mirror") !== this.tree) queueMicrotask(() => this.renew()); // after this frame
     };
@@ -101,6 +102,15 @@ export class RadTexMirror extends Mesh<SphereGeometry, ShaderMaterial> {
   dispose(): void {
     this.geometry.dispose();
     this.material.dispose();
+  }
+
+  /** Hide it from a renderer that does not take its shader. */
+  private refuse(): void {
+    const { bake } = this;
+    const problem = new Problem(`The mirror ball of ${bake.manifest.name} is not shown by WebGPURenderer`, "Draw it by WebGLRenderer.");
+    queueMicrotask(() => (this.visible = false)); // after this frame
+    if (bake.failed) bake.failed(problem);
+    else report(problem);
   }
 
   private follow(): void {

@@ -25,7 +25,7 @@ const OF_IMAGES = ["colour", "tint", "normal"];
 const WHITE = new DataTexture(new Uint8Array([255, 255, 255, 255]), 1, 1);
 WHITE.needsUpdate = true;
 // By how much lobes widen where normals spread within a pixel, so that what moves does not shimmer: a pixel's own box.
-const STEADY = 0.16;
+export const STEADY = 0.16;
 
 /** What is drawn: the mesh, the inspector's picture of one bucket, or its three pixels of numbers. */
 export type Stage = "mesh" | "bucket" | "probe";
@@ -59,17 +59,10 @@ export interface Bake {
 }
 
 /** How a bake is looked up, by a filter. */
-export function partsOf(
-  { manifest, textures, sun, images }: Bake,
-  filter: Filter,
-  stage: Drawn,
-  layer: string,
-  material: number,
-): Parts {
+export function partsOf(shown: Bake, filter: Filter, stage: Drawn, layer: string, material: number): Parts {
+  const { manifest, textures, sun } = shown;
   const { bake } = manifest;
-  if (bake.layout === "layered") {
-    return layeredParts(manifest.shader as ShaderFacts, textures, stage, material, images?.get(material));
-  }
+  if (bake.layout === "layered") return layeredParts(shown, stage, material);
   const loaded = needed(textures, bucketsOf(layer, bake.kind));
   if (bake.kind === "shadow") return shadowParts(bake, loaded, sun, stage);
   if (bake.kind === "transfer") return transferParts(bake, loaded, sun, stage);
@@ -155,37 +148,43 @@ function transferParts(bake: Sidecar, loaded: BakeTexture, sun: SunUniforms, sta
   return [[...defines, bucketLookups, transferLookups, transferLight].join("\n"), uniforms];
 }
 
-function layeredParts(
-  facts: ShaderFacts,
-  textures: ReadonlyMap<string, BakeTexture>,
+function layeredParts(bake: Bake, stage: Drawn, material: number): Parts {
+  const { defines, uniforms } = layeredFacts(bake, stage, material);
+  const told = Object.entries(defines).map(([name, value]) => `#define ${name} ${value}`);
+  // The surface's frame is for the inspector alone.
+  const framed = stage === "bucket" || stage === "probe";
+  const through = "RADTEX_THROUGH" in defines;
+  const lookups = [framed ? bucketLookups : "", layeredLookups, through ? throughLookups : "", layeredLight];
+  return [["#define LAYERED", ...told, ...lookups].join("\n"), uniforms];
+}
+
+/** What lookups of a layered bake are told, and what they read: textures, and vectors of four numbers one behind the other. */
+export function layeredFacts(
+  { manifest, textures, images: own }: Bake,
   stage: Drawn,
   material: number,
-  images?: MaterialImages,
-): Parts {
-  const through = "RADTEX_THROUGH" in facts.defines;
-  const own = stage === "mirror" ? ofAll(facts.materials) : (facts.materials[material] ?? {});
-  const defines = stage === "mirror" ? facts.defines : { ...facts.defines, ...ofOneLobe(own) };
-  const told = Object.entries(defines).map(([name, value]) => `#define ${name} ${value}`);
-  if (stage === "mirror") told.push(`#define RADTEX_MATERIALS ${facts.materials.length}`);
-  const uniforms: Uniforms = { ...valued(facts.values), ...valued(own) };
-  const ofImages = "radtex_images" in own && stage !== "mirror";
+): { defines: Record<string, number | string>; uniforms: Uniforms } {
+  const facts = manifest.shader as ShaderFacts;
+  const values = stage === "mirror" ? ofAll(facts.materials) : (facts.materials[material] ?? {});
+  const defines: Record<string, number | string> = { ...facts.defines };
+  if (stage === "mirror") defines["RADTEX_MATERIALS"] = facts.materials.length;
+  else Object.assign(defines, ofOneLobe(values));
+  const uniforms: Uniforms = { ...valued(facts.values), ...valued(values) };
+  const ofImages = "radtex_images" in values && stage !== "mirror";
   for (const layer of facts.layers) {
     if (ofImages && OF_IMAGES.includes(layer)) continue;
     uniforms[`radtex_${layer}_map`] = { value: needed(textures, layer).texture };
   }
   if (ofImages) {
-    told.push("#define RADTEX_IMAGES");
+    const images = own?.get(material);
+    defines["RADTEX_IMAGES"] = "";
     uniforms["radtex_base_map"] = { value: images?.base ?? WHITE };
     uniforms["radtex_metal_map"] = { value: images?.metal ?? WHITE };
     uniforms["radtex_bump_map"] = { value: images?.bump ?? WHITE };
   }
-  if (stage === "mesh") told.push(`#define RADTEX_STEADY ${STEADY}`);
-  // A picture of one point has no derivatives.
-  if (stage !== "mesh") told.push("#define RADTEX_NO_DERIVATIVES");
-  // The surface's frame is for the inspector alone.
-  const framed = stage === "bucket" || stage === "probe";
-  const lookups = [framed ? bucketLookups : "", layeredLookups, through ? throughLookups : "", layeredLight];
-  return [["#define LAYERED", ...told, ...lookups].join("\n"), uniforms];
+  if (stage === "mesh") defines["RADTEX_STEADY"] = STEADY;
+  else defines["RADTEX_NO_DERIVATIVES"] = ""; // a picture of one point has none
+  return { defines, uniforms };
 }
 
 /** Leaves the second lobe out of the shader of a material that has none, though others of its bake do. */
@@ -206,7 +205,8 @@ function valued(values: UniformValues): Uniforms {
   return Object.fromEntries(Object.entries(values).map(([name, value]) => [name, { value: value.flat() }]));
 }
 
-function needed(textures: ReadonlyMap<string, BakeTexture>, name: string): BakeTexture {
+/** A texture by its name. Throws a Problem if the manifest names none. */
+export function needed(textures: ReadonlyMap<string, BakeTexture>, name: string): BakeTexture {
   const loaded = textures.get(name);
   if (loaded) return loaded;
   const others = [...textures.values()].map(({ entry }) => entry.file).join(", ") || "no texture";

@@ -16,7 +16,6 @@ import {
   type Object3DJSON,
   Object3D,
   type Scene,
-  type ShaderMaterial,
   type Texture,
   type WebGLRenderer,
 } from "three";
@@ -27,12 +26,14 @@ import { type Filter, filtersOf } from "./filters.js";
 import type { Lamp } from "./lamps.js";
 import { layersOf, WHOLE } from "./layers.js";
 import type { Manifest } from "./manifest.js";
-import { depthMaterial, flatMaterial, hasAlpha, plainLook, RadTexMaterial, type SurfaceMaterial } from "./material.js";
+import { depthMaterial, flatMaterial, hasAlpha, type Nodes, plainLook, RadTexMaterial, type Surface } from "./material.js";
 import { RadTexMirror } from "./mirror.js";
 import type { Bake, MaterialImages } from "./parts.js";
 import { Problem, report } from "./problem.js";
 import { changedSun, FIRST_SUN, shine, type Sun, type SunUniforms, sunUniforms } from "./sun.js";
 import type { BakeTexture } from "./textures.js";
+
+const NONE: ReadonlyMap<string, BakeTexture> = new Map();
 
 /** A mesh of the bake, as the .glb has it, the number of its material, the images that this is shown by, and whether it hides what lies behind. */
 export interface BakedMesh {
@@ -54,7 +55,7 @@ export class RadTexObject extends Group implements Bake {
   /** Why the textures cannot be shown, if so: the flat lightmap stays. */
   problem: Problem | null = null;
   /** The flat lightmap, one colour a texel. */
-  readonly flat: SurfaceMaterial;
+  readonly flat: Surface;
   /** What the light of each lamp is multiplied by, by the lamp's name: change the colours as you like. */
   readonly lamps: ReadonlyMap<string, Color>;
   /** Where it was loaded from: what toJSON keeps of it. */
@@ -67,23 +68,26 @@ export class RadTexObject extends Group implements Bake {
   private readonly look = plainLook();
   private readonly numbers = new Map<Mesh, number>();
   private readonly opaque: ReadonlySet<number>;
-  private readonly materials = new Map<string, RadTexMaterial>();
+  private readonly materials = new Map<string, Surface>();
   private readonly baked: Matrix4;
   private readonly clones: Clones;
   private readonly reported = new Set<string>();
-  private depth: ShaderMaterial | null = null; // of what fades
+  private depth: Material | null = null; // of what fades
   private depthDrawn: { frame: number; camera: Camera | null } = { frame: -1, camera: null };
   private plain: MeshBasicMaterial | null = null; // for a renderer that does not know ours
+  private drawnBy: object | null = null; // of nodes
+  private refused: Problem | null = null; // why it does not draw them
 
   /**
    * `map` is the flat lightmap's texture. The meshes, which have the same matrix, are taken out of their parents; those of
-   * a clone of `original` have none.
+   * a clone of `original` have none. `nodes` make the materials for WebGPURenderer, in the place of WebGLRenderer's.
    */
   constructor(
     private current: Manifest,
     private readonly parts: readonly BakedMesh[],
     private readonly map: Texture,
     lamps: readonly string[] = [],
+    private readonly nodes: Nodes | null = null,
     original: RadTexObject | null = null,
   ) {
     super();
@@ -95,7 +99,7 @@ export class RadTexObject extends Group implements Bake {
     this.baked = (original?.baked ?? first.matrixWorld).clone();
     this.images = new Map(parts.flatMap(({ number, images }) => (images ? [[number, images] as const] : [])));
     this.opaque = new Set(parts.filter((part) => part.opaque).map(({ number }) => number));
-    this.flat = flatMaterial(current, map, this.baked, this.look);
+    this.flat = (nodes?.flat ?? flatMaterial)(current, map, this.baked, this.look);
     this.clones = original?.clones ?? new Clones(map, this.images.values());
     this.clones.members.add(this);
     for (const { mesh, number } of parts) {
@@ -144,7 +148,7 @@ export class RadTexObject extends Group implements Bake {
 
   /** The bake's textures, by name; none before they are loaded. */
   get textures(): ReadonlyMap<string, BakeTexture> {
-    return this.found ?? new Map();
+    return this.found ?? NONE;
   }
 
   /** The bakes of its lamps, in the order of `lamps`; none before they are loaded. */
@@ -206,8 +210,8 @@ export class RadTexObject extends Group implements Bake {
   }
 
   /** The material of a mesh by the filter and layer that are set; the flat lightmap before there are textures. */
-  materialOf(mesh: Mesh): SurfaceMaterial {
-    if (!this.found) return this.flat;
+  materialOf(mesh: Mesh): Surface {
+    if (!this.found || this.refused) return this.flat;
     const { filter, layer } = this.chosen;
     const number = this.numberOf(mesh);
     const key = `${filter} ${layer} ${number}`;
@@ -216,10 +220,11 @@ export class RadTexObject extends Group implements Bake {
     return material;
   }
 
-  private made(number: number): RadTexMaterial {
+  private made(number: number): Surface {
     const { added: lamps, baked, filter, lightLayer: layer, look } = this;
     const opaque = this.opaque.has(number);
-    const material = new RadTexMaterial(this, { filter, layer, number, baked, lamps, look, opaque });
+    const options = { filter, layer, number, baked, lamps, look, opaque };
+    const material = this.nodes?.surface(this, options) ?? new RadTexMaterial(this, options);
     this.cover(material);
     return material;
   }
@@ -227,7 +232,7 @@ export class RadTexObject extends Group implements Bake {
   /** Give a material the object's opacity. */
   private cover(material: Material): void {
     material.opacity = this.covering;
-    const blended = "BLENDED" in ((material === this.plain ? this.flat : material).defines ?? {});
+    const { blended } = (material === this.plain ? this.flat : material) as Surface;
     material.transparent = this.covering < 1 || blended;
   }
 
@@ -246,9 +251,12 @@ export class RadTexObject extends Group implements Bake {
     this.show();
   }
 
-  /** Put the textures onto the renderer's GPU now, not when it first draws the object. */
+  /** Put the textures onto the GPU of the renderer, a WebGPURenderer with nodes, now, not when it first draws the object. */
   prepare(renderer: WebGLRenderer): void {
-    for (const texture of this.everyTexture()) texture.upload(renderer);
+    for (const texture of this.everyTexture()) {
+      if (this.nodes) this.nodes.upload(texture, renderer);
+      else texture.upload(renderer);
+    }
     this.show();
   }
 
@@ -277,7 +285,7 @@ export class RadTexObject extends Group implements Bake {
    */
   override clone(recursive = true): this {
     const parts = this.parts.map(({ mesh, ...facts }) => ({ ...facts, mesh: mesh.clone(recursive) }));
-    const made = new RadTexObject(this.current, parts, this.map, [...this.lamps.keys()], this);
+    const made = new RadTexObject(this.current, parts, this.map, [...this.lamps.keys()], this.nodes, this);
     Object3D.prototype.copy.call(made, this, false);
     made.address = this.address;
     made.problem = this.problem;
@@ -352,18 +360,19 @@ export class RadTexObject extends Group implements Bake {
     for (const texture of this.everyTexture()) {
       if (texture.entry.arrangement === "slices") texture.blendLevels(this.filter === "levels");
     }
+    this.refuseNodes(this.nodes && this.refusal());
     for (const mesh of this.meshes) mesh.material = this.plain ?? this.materialOf(mesh);
   }
 
   /** A renderer is about to draw a mesh. */
   private beforeMesh(mesh: Mesh, renderer: WebGLRenderer, scene: Scene, camera: Camera): void {
-    if (!("isWebGLRenderer" in renderer)) return this.showPlainly();
+    if (this.nodes || !("isWebGLRenderer" in renderer)) return this.beforeNodes(mesh, renderer, scene, camera);
     this.clones.watch(renderer.domElement);
     if (!(mesh.material as Material).transparent) return;
     // Of a hull in folds the nearest side alone is seen: drawn first, it hides the others.
     const hull = this.current.bake.kind === "proxy";
     if (hull || this.isClear(mesh)) sortTriangles(mesh, camera, hull);
-    else if (this.isFading(mesh)) this.drawDepth(renderer, scene, camera);
+    else if (this.isFading(mesh)) this.drawDepth(mesh, renderer, scene, camera);
   }
 
   /** Whether some of a mesh is clear; else it fades as a whole. */
@@ -377,35 +386,71 @@ export class RadTexObject extends Group implements Bake {
   }
 
   /** Before the first of its meshes in a picture, draw the depth of all that fade, so that none shows through another. */
-  private drawDepth(renderer: WebGLRenderer, scene: Scene, camera: Camera): void {
-    const { frame } = renderer.info.render;
+  private drawDepth(first: Mesh, renderer: WebGLRenderer, scene: Scene, camera: Camera): void {
+    const { calls, frame = calls } = renderer.info.render; // WebGPURenderer counts what it renders as calls
     if (this.depthDrawn.frame === frame && this.depthDrawn.camera === camera) return;
     this.depthDrawn = { frame, camera };
-    this.depth ??= depthMaterial(this.current, this.baked);
+    const { nodes } = this;
+    this.depth ??= nodes ? nodes.depth(this.flat.side) : depthMaterial(this.current, this.baked);
     const seen = new Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse);
     const view = new Frustum().setFromProjectionMatrix(seen, renderer.coordinateSystem, camera.reversedDepth);
     for (const mesh of this.meshes) {
       const drawn = mesh.visible && mesh.layers.test(camera.layers) && (!mesh.frustumCulled || view.intersectsObject(mesh));
-      if (!drawn || !this.isFading(mesh)) continue;
+      if (mesh !== first && (!drawn || !this.isFading(mesh))) continue;
       const { clippingPlanes, clipIntersection } = mesh.material as Material;
       Object.assign(this.depth, { clippingPlanes, clipIntersection });
-      renderer.renderBufferDirect(camera, scene, mesh.geometry, this.depth, mesh, null as unknown as GeometryGroup);
+      if (nodes) nodes.drawDepth(renderer, mesh, scene, camera, this.depth);
+      else renderer.renderBufferDirect(camera, scene, mesh.geometry, this.depth, mesh, null as unknown as GeometryGroup);
     }
   }
 
-  /** Show the flat lightmap by a material that every renderer knows: ours are GLSL, which WebGPURenderer does not take. */
-  private showPlainly(): void {
+  /** A renderer that takes nodes is about to draw a mesh, or one that does not, though the object has some. */
+  private beforeNodes(mesh: Mesh, renderer: WebGLRenderer, scene: Scene, camera: Camera): void {
+    this.drawnBy = renderer;
+    const problem = this.refusal();
+    if (problem && !(this.nodes && "backend" in renderer)) return this.showPlainly(problem);
+    this.refuseNodes(problem);
+    if (problem || !(mesh.material as Material).transparent) return;
+    const hull = this.current.bake.kind === "proxy";
+    if (hull || this.isClear(mesh)) sortTriangles(mesh, camera, hull);
+    else if (this.isFading(mesh)) this.drawDepth(mesh, renderer, scene, camera);
+  }
+
+  /** Why the renderer cannot show the radiance, if so; null also before it has drawn the object. */
+  private refusal(): Problem | null {
+    const { drawnBy, nodes } = this;
+    if (!drawnBy) return null;
+    const isOfNodes = !("isWebGLRenderer" in drawnBy);
+    if (isOfNodes && nodes) return this.found && nodes.refusal(this, this.lightLayer, drawnBy);
+    return isOfNodes
+      ? new Problem(
+          `${this.name} is shown by its flat lightmap: WebGPURenderer does not take RadTex’s shaders, which are GLSL`,
+          "Load it with `nodes` of radtex-three/webgpu, or draw it by three.js’s WebGLRenderer.",
+        )
+      : new Problem(
+          `${this.name} is shown by its flat lightmap: it was loaded with nodes, which WebGLRenderer does not take`,
+          "Load it without `nodes`, or draw it by WebGPURenderer.",
+        );
+  }
+
+  /** Keep to the flat lightmap for this reason, or for none any longer. */
+  private refuseNodes(problem: Problem | null): void {
+    const before = this.refused;
+    this.refused = problem;
+    if (problem?.message === before?.message) return;
+    if (problem) this.failed(problem);
+    else if (this.problem === before) this.problem = null;
+    queueMicrotask(() => this.show()); // after this frame
+  }
+
+  /** Show the flat lightmap by a material that every renderer knows, and say why. */
+  private showPlainly(problem: Problem): void {
     const told = this.plain !== null;
     this.plain ??= new MeshBasicMaterial({ map: this.map, side: this.flat.side });
     this.plain.color.copy(this.tint).multiply(this.own).multiplyScalar(this.exposure / (this.current.flat_scale || 1));
     if (told) return;
     this.cover(this.plain);
-    this.failed(
-      new Problem(
-        `${this.name} is shown by its flat lightmap: WebGPURenderer does not take RadTex’s shaders, which are GLSL`,
-        "Draw it by three.js’s WebGLRenderer.",
-      ),
-    );
+    this.failed(problem);
     queueMicrotask(() => this.show()); // after this frame
   }
 }

@@ -2,23 +2,36 @@
 // SPDX-License-Identifier: MIT
 // Textures on the GPU, without three.js's own upload: it knows neither all formats nor mip levels of arrays.
 
-import { ExternalTexture, type WebGLInfo, type WebGLRenderer } from "three";
+import { ExternalTexture, type WebGLRenderer } from "three";
 
 import { levelBytes, levelSize, type Pixels } from "./containers.js";
 import { PACKED, PLAIN } from "./device.js";
 import type { TextureEntry } from "./manifest.js";
 import { Problem, report } from "./problem.js";
 
+/** Pixels on a device, and what frees them there. */
+export interface OnDevice {
+  handle: object;
+  free: () => void;
+}
+
+/** What counts a renderer's textures. */
+interface Counter {
+  memory: { textures: number };
+}
+
 /** A texture that shaders read. It is uploaded when a renderer first draws with it. */
 export class BakeTexture {
   /** What uniforms hold. */
   readonly texture = new ExternalTexture();
   readonly isArray: boolean;
+  /** How many mip levels it has, with the finest. */
+  readonly levels: number;
   /** On the GPU. */
   readonly bytes: number;
-  private handle: WebGLTexture | null = null;
-  private context: WebGL2RenderingContext | null = null;
-  private info: WebGLInfo | null = null; // that counts it; a context which was restored has another
+  private made: OnDevice | null = null;
+  private device: object | null = null; // a WebGL context, or a device of WebGPU
+  private counter: Counter | null = null; // a context which was restored has another
   private refused: Problem | null = null;
   private blended: boolean | null = null;
   private users = 0;
@@ -31,15 +44,30 @@ export class BakeTexture {
   ) {
     if (!pixels) throw new Error("a texture needs pixels");
     this.isArray = pixels.layers > 0;
+    this.levels = pixels.levels.length;
     this.bytes = pixels.levels.reduce((total, _, level) => total + levelBytes(pixels, level), 0);
   }
 
   /** Put it onto the renderer's GPU, once. Throws a Problem where it does not fit there, or is on another renderer's. */
   upload(renderer: WebGLRenderer): void {
-    const gl = renderer.getContext() as WebGL2RenderingContext;
+    this.uploadTo(renderer.getContext() as WebGL2RenderingContext, renderer.info);
+  }
+
+  /** The same by a context; `info` is its renderer's, null if that counts textures itself. */
+  uploadTo(gl: WebGL2RenderingContext, info: Counter | null): void {
     if (gl.isContextLost()) return;
-    this.texture.sourceTexture = this.context === gl ? this.handle : null; // three.js asks for it whenever it draws
-    if (this.context === gl) return;
+    const isNew = this.device !== gl;
+    this.put(gl, info, (pixels) => {
+      const handle = withStateKept(gl, pixels.layers > 0, () => uploaded(gl, pixels, this.entry));
+      return { handle, free: () => gl.deleteTexture(handle) };
+    });
+    if (isNew && this.blended !== null) this.blendLevels(this.blended);
+  }
+
+  /** Put it onto a device, once, by `make`, which gets its pixels. Throws the Problem that this throws, or if it is on another. */
+  put(device: object, info: Counter | null, make: (pixels: Pixels) => OnDevice): void {
+    this.texture.sourceTexture = (this.device === device ? this.made?.handle : null) as never; // three.js asks for it whenever it draws
+    if (this.device === device) return;
     if (this.refused) throw this.refused;
     if (!this.pixels) {
       throw new Problem(
@@ -48,29 +76,29 @@ export class BakeTexture {
       );
     }
     try {
-      this.handle = withStateKept(gl, this.pixels.layers > 0, () => uploaded(gl, this.pixels as Pixels, this.entry));
+      this.made = make(this.pixels);
     } catch (error) {
       if (error instanceof Problem) this.refused = error;
       throw error;
     }
-    this.context = gl;
-    this.info = renderer.info;
-    this.info.memory.textures++;
-    this.texture.sourceTexture = this.handle;
+    this.device = device;
+    this.counter = info;
+    if (info) info.memory.textures++;
+    this.texture.sourceTexture = this.made.handle as never;
     this.pixels = null;
-    if (this.blended !== null) this.blendLevels(this.blended);
   }
 
   /** Whether it is on the GPU of the renderer that has this canvas. */
   isOn(canvas: EventTarget | null): boolean {
-    return this.context !== null && this.context.canvas === canvas;
+    return this.device !== null && "canvas" in this.device && this.device.canvas === canvas;
   }
 
   /** Let an array of slices blend its mip levels, or keep to the finest. */
   blendLevels(blend: boolean): void {
-    const { context: gl, handle } = this;
     this.blended = blend;
-    if (!gl || !handle) return;
+    const gl = this.device as WebGL2RenderingContext | null;
+    const handle = this.made?.handle as WebGLTexture | undefined;
+    if (!gl || !handle || !("texParameteri" in gl)) return;
     withStateKept(gl, this.isArray, () => {
       const target = this.isArray ? gl.TEXTURE_2D_ARRAY : gl.TEXTURE_2D;
       gl.bindTexture(target, handle);
@@ -94,11 +122,11 @@ export class BakeTexture {
 
   /** Free the GPU's memory, whoever shows it. */
   private dispose(): void {
-    this.context?.deleteTexture(this.handle);
-    if (this.handle && this.info) this.info.memory.textures--;
+    this.made?.free();
+    if (this.made && this.counter) this.counter.memory.textures--;
     this.texture.sourceTexture = null;
     this.texture.dispose();
-    this.handle = this.pixels = null;
+    this.made = this.pixels = null;
   }
 }
 
@@ -106,14 +134,15 @@ export class BakeTexture {
  * Upload what a frame is about to show. What fails is told to `failed`, else to the console, once; it throws no Problem,
  * which would end the page's frames.
  */
-export function uploadForFrame(
+export function uploadForFrame<Renderer = WebGLRenderer>(
   textures: Iterable<BakeTexture>,
-  renderer: WebGLRenderer,
+  renderer: Renderer,
   failed = reportOnce,
+  upload = (texture: BakeTexture, to: Renderer): void => texture.upload(to as WebGLRenderer),
 ): void {
   for (const texture of textures) {
     try {
-      texture.upload(renderer);
+      upload(texture, renderer);
     } catch (error) {
       if (!(error instanceof Problem)) throw error;
       failed(error);

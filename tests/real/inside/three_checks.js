@@ -144,6 +144,36 @@ async function drawnInstead(view, ...others) {
   return made;
 }
 
+// A bake that is loaded with nodes, a WebGPURenderer, and what gives two frames of it, the second one's rows from the bottom.
+async function loadedForNodes(view, gpu, options) {
+  const { WebGPURenderer } = await import("three/webgpu");
+  const { nodes } = await import("radtex-three/webgpu");
+  const { object, complete, reload } = await loadRadTex(asked(), { ...options, nodes });
+  await complete;
+  const renderer = new WebGPURenderer({ forceWebGL: !gpu });
+  await renderer.init();
+  const [, , width, height] = view;
+  const target = new WebGLRenderTarget(width, height, { type: FloatType });
+  const drawnBy = async (others, camera, fog = null) => {
+    const scene = new Scene().add(...others);
+    scene.fog = fog;
+    for (let frame = 0; frame < 2; frame++) {
+      renderer.setRenderTarget(target);
+      renderer.setClearColor(0, 0);
+      renderer.render(scene, camera);
+      await new Promise((done) => setTimeout(done));
+    }
+    const rows = new Float32Array(await renderer.readRenderTargetPixelsAsync(target, 0, 0, width, height));
+    if (!gpu) return encoded(rows);
+    const turned = new Float32Array(rows.length);
+    for (let row = 0; row < height; row++) {
+      turned.set(rows.subarray(row * width * 4, (row + 1) * width * 4), (height - 1 - row) * width * 4);
+    }
+    return encoded(turned);
+  };
+  return { object, reload, drawnBy, renderer };
+}
+
 window.checks = {
   // A clone of a group that holds the object, in another place, with the camera: nothing may change.
   cloned: async (view, matrix) => {
@@ -394,6 +424,102 @@ window.checks = {
     }
     const values = await renderer.readRenderTargetPixelsAsync(target, 0, 0, view[2], view[3]);
     return { light: encoded(new Float32Array(values)), told, problem: object.problem?.message ?? null };
+  },
+
+  // What WebGPURenderer draws by nodes, by WebGPU or by WebGL 2, in other ways one by one; rows from the bottom.
+  byNodes: async (view, gpu, ways) => {
+    const told = listened();
+    const lamps = ways.some(({ lamp }) => lamp) ? { lamp: asked() } : {};
+    const { object, drawnBy, renderer } = await loadedForNodes(view, gpu, { lamps });
+    const pictures = [];
+    for (const { look = {}, change, kind = "object", colour = [1, 1, 1], backdrop = 0, fog, side } of ways) {
+      const copy = object.clone();
+      const { own = [1, 1, 1], tint = [1, 1, 1], exposure = 1, opacity = 1 } = look;
+      copy.own.fromArray(own);
+      copy.tint.fromArray(tint);
+      copy.exposure = exposure;
+      copy.opacity = opacity;
+      const camera = side ? placed(new OrthographicCamera(-side, side, side, -side, 0.1, 100), view[0]) : perspective(view);
+      copy.updateMatrixWorld(true);
+      const moved = new Matrix4();
+      if (change) {
+        moved.fromArray(change).transpose();
+        camera.applyMatrix4(moved);
+        camera.scale.set(1, 1, 1);
+        camera.updateMatrixWorld(true);
+      }
+      const shown = kind === "object" ? [copy] : copy.meshes.map((mesh) => {
+        const matrix = moved.clone().multiply(mesh.matrixWorld);
+        const far = new Matrix4().makeTranslation(0, 1000, 0);
+        if (kind === "material") return Object.assign(new Mesh(mesh.geometry, mesh.material.clone()), { matrix, matrixAutoUpdate: false });
+        if (kind === "instances") {
+          const instances = new InstancedMesh(mesh.geometry, mesh.material, 2);
+          [far, matrix].forEach((each, place) => instances.setMatrixAt(place, each));
+          [[1, 0, 0], colour].forEach((each, place) => instances.setColorAt(place, new Color(...each)));
+          return instances;
+        }
+        const batch = new BatchedMesh(2, mesh.geometry.getAttribute("position").count, mesh.geometry.index.count, mesh.material);
+        const shape = batch.addGeometry(mesh.geometry);
+        for (const [each, paint] of [[far, [1, 0, 0]], [matrix, colour]]) {
+          const place = batch.addInstance(shape);
+          batch.setMatrixAt(place, each);
+          batch.setColorAt(place, new Vector4(...paint, 1));
+        }
+        return batch;
+      });
+      if (kind === "object" && change) copy.applyMatrix4(moved);
+      const all = [...shown, ...wall(view, backdrop)];
+      pictures.push(await drawnBy(all, camera, fog ? new Fog("#000000", ...fog) : null));
+      copy.dispose();
+    }
+    const counts = [renderer.info.memory.textures];
+    const textures = object.textures.size;
+    object.dispose();
+    counts.push(renderer.info.memory.textures);
+    return { pictures, told, gpu: renderer.backend.isWebGPUBackend === true, counts, textures };
+  },
+
+  // What nodes show when textures were loaded once more, or another layer was shown meanwhile, and of two rows of instances.
+  nodesLater: async (view, gpu) => {
+    const told = listened();
+    const { object, reload, drawnBy, renderer } = await loadedForNodes(view, gpu, {});
+    object.prepare(renderer);
+    const camera = perspective(view);
+    object.updateMatrixWorld(true);
+    const row = (count) => object.meshes.map((mesh) => {
+      const instances = new InstancedMesh(mesh.geometry, mesh.material, count);
+      for (let place = 0; place < count; place++) instances.setMatrixAt(place, new Matrix4().makeTranslation(0, 1000 + place, 0));
+      if (count > 1) instances.setMatrixAt(count - 1, mesh.matrixWorld);
+      return instances;
+    });
+    const rows = [...row(1), ...row(3)];
+    const copies = object.meshes.map((mesh) => {
+      const copy = new Mesh(mesh.geometry, mesh.material.clone());
+      copy.applyMatrix4(mesh.matrixWorld);
+      return copy;
+    });
+    const pictures = { rows: await drawnBy(rows, camera), copies: await drawnBy(copies, camera) };
+    await reload();
+    await drawnBy([...rows, ...copies], camera); // in which they notice
+    Object.assign(pictures, { rowsAgain: await drawnBy(rows, camera), copiesAgain: await drawnBy(copies, camera) });
+    const layer = object.lightLayers.at(-1);
+    object.lightLayer = layer;
+    await drawnBy([object], camera);
+    const problem = object.problem?.message ?? null;
+    object.lightLayer = "whole";
+    pictures.whole = await drawnBy([object], camera);
+    return { pictures, told, layer, problem, after: object.problem?.message ?? null };
+  },
+
+  // What WebGLRenderer shows of an object that was loaded with nodes.
+  nodesElsewhere: async (view) => {
+    const told = listened();
+    const { nodes } = await import("radtex-three/webgpu");
+    const { object, complete } = await loadRadTex(asked(), { nodes });
+    await complete;
+    await drawnInstead(view, object);
+    await new Promise((done) => setTimeout(done));
+    return { light: await drawnInstead(view, object), told, problem: object.problem?.message ?? null };
   },
 
   // The bake by a loader of three.js's kind, from another server that asks for a header; and all that it told.
