@@ -165,11 +165,13 @@ class Shot:
     fills the picture behind the scene, and behind those of later shots. `sun`, if any, is a
     DirectionalLight3D of this and later shots; `sky` the grey levels above and below the horizon of a sky
     that gives ambient light. `copies` are matrices (4, 4), in Godot's axes: the mesh is shown at each of
-    them, and not where it stood, by a MultiMesh, or by a node each.
+    them, and not where it stood, by a MultiMesh, or by a node each. `values` are parameters of these nodes,
+    one mapping each, `colours` (r, g, b, a) of the MultiMesh's instances. `hidden` are names of nodes of the
+    main scene.
     """
 
     camera: Camera
-    parameters: Mapping[str, float | list[float]] = field(default_factory=dict)
+    parameters: Mapping[str, float | list[float] | str] = field(default_factory=dict)
     turn: float = 0.0
     mirror: tuple[float, float, float, float] | None = None
     behind: str | None = None
@@ -177,6 +179,9 @@ class Shot:
     sky: tuple[float, float] | None = None
     copies: Sequence[Floats] = ()
     as_nodes: bool = False
+    values: Sequence[Mapping[str, float | str]] = ()
+    colours: Sequence[Sequence[float]] = ()
+    hidden: Sequence[str] = ()
 
     def facts(self, output: str) -> dict[str, object]:
         """What serve.gd must know; matrices are Godot's, rows of four."""
@@ -198,6 +203,9 @@ class Shot:
             "sky": self.sky,
             "copies": [matrix.tolist() for matrix in self.copies],
             "as_nodes": self.as_nodes,
+            "values": [dict(each) for each in self.values],
+            "colours": [list(each) for each in self.colours],
+            "hidden": list(self.hidden),
             "output": output,
         }
 

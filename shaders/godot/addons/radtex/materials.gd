@@ -13,6 +13,9 @@ const STEPS := 16  ## Of curves over the cosine to the normal: so many rows has 
 const STEADY := 0.16  ## By how much lobes widen where normals spread within a pixel: what moves does not shimmer.
 ## The project setting of cheaper lookups, whose noise temporal antialiasing averages away. What was imported before is as it was.
 const TEMPORAL := "radtex/lookups/temporal"
+## The project setting of tint, exposure and opacity of each node. What was imported before is as it was.
+const OBJECT_VALUES := "radtex/materials/object_values"
+const DEFAULTS := {TEMPORAL: false, OBJECT_VALUES: true}
 const TRANSPARENT := "RGBA16F"  ## The only format of light that has alpha.
 
 
@@ -88,6 +91,11 @@ static func set_baked(material: ShaderMaterial, world: Transform3D) -> void:
 		material.get_meta(MIRROR).baked = baked
 
 
+## One of the project settings in DEFAULTS.
+static func setting(name: String) -> bool:
+	return ProjectSettings.get_setting(name, DEFAULTS[name])
+
+
 ## Whether a material shows its own images, which `set_images` gives it.
 static func is_of_images(material: ShaderMaterial) -> bool:
 	return material.shader.code.contains("#define RADTEX_IMAGES")
@@ -101,6 +109,13 @@ static func set_images(material: ShaderMaterial, old: BaseMaterial3D) -> void:
 
 
 static func _recipe(facts: Dictionary, number: int, textures: Textures) -> Recipe:
+	var recipe := _recipe_of_kind(facts, number, textures)
+	if setting(OBJECT_VALUES):
+		recipe.defines["OBJECT_VALUES"] = 1
+	return recipe
+
+
+static func _recipe_of_kind(facts: Dictionary, number: int, textures: Textures) -> Recipe:
 	match facts.bake.kind:
 		"shadow":
 			return _shadow(facts, textures)
@@ -131,7 +146,7 @@ static func _layered(facts: Dictionary, number: int, textures: Textures) -> Reci
 	var of_images := own.has(OF_IMAGES)
 	_put_layers(recipe, facts, REPLACED if of_images else [])
 	recipe.defines["RADTEX_STEADY"] = STEADY
-	if ProjectSettings.get_setting(TEMPORAL, false):
+	if setting(TEMPORAL):
 		recipe.defines["RADTEX_TEMPORAL"] = 1
 	if _is_of_one_lobe(own):
 		recipe.defines["RADTEX_SECOND_LOBE"] = 0

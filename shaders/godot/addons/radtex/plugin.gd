@@ -23,10 +23,11 @@ func _disable_plugin() -> void:
 
 
 func _enter_tree() -> void:
-	if not ProjectSettings.has_setting(Materials.TEMPORAL):
-		ProjectSettings.set_setting(Materials.TEMPORAL, false)
-	ProjectSettings.set_initial_value(Materials.TEMPORAL, false)
-	ProjectSettings.set_as_basic(Materials.TEMPORAL, true)
+	for setting: String in Materials.DEFAULTS:
+		if not ProjectSettings.has_setting(setting):
+			ProjectSettings.set_setting(setting, Materials.DEFAULTS[setting])
+		ProjectSettings.set_initial_value(setting, Materials.DEFAULTS[setting])
+		ProjectSettings.set_as_basic(setting, true)
 	_importer = Importer.new()
 	GLTFDocument.register_gltf_document_extension(_importer, true)
 	_post_import = PostImport.new()

@@ -39,8 +39,11 @@ func shoot(scene: String, shots: Array) -> void:
 			mirror.radius = shot.mirror[3]
 		for mesh: MeshInstance3D in main.find_children("*", "MeshInstance3D", true, false):
 			for parameter: String in shot.parameters:
-				mesh.get_active_material(0).set_shader_parameter(parameter, value(shot.parameters[parameter]))
-		show_copies(main, shot.copies, shot.as_nodes)
+				for surface in mesh.get_surface_override_material_count():
+					mesh.get_active_material(surface).set_shader_parameter(parameter, value(shot.parameters[parameter]))
+		show_copies(main, shot)
+		for name: String in shot.hidden:
+			main.get_node(name).visible = false
 		if shot.sun:
 			place_sun(main, shot.sun)
 		if shot.sky:
@@ -51,12 +54,15 @@ func shoot(scene: String, shots: Array) -> void:
 		for frame in 2:
 			await RenderingServer.frame_post_draw
 		root.get_texture().get_image().save_png(shot.output)
+		for name: String in shot.hidden:
+			main.get_node(name).visible = true
 	main.free()
 	layer.free()
 
 
 ## Show the mesh at these places alone, as instances of one MultiMesh or as nodes; at its own where there are none.
-func show_copies(main: Node3D, places: Array, as_nodes: bool) -> void:
+func show_copies(main: Node3D, shot: Dictionary) -> void:
+	var places: Array = shot.copies
 	for node: Node in main.find_children("Copy*", "GeometryInstance3D", false, false):
 		node.free()
 	var own: Array[Node] = main.find_children("*", "MeshInstance3D", true, false)
@@ -65,22 +71,29 @@ func show_copies(main: Node3D, places: Array, as_nodes: bool) -> void:
 	if places.is_empty():
 		return
 	var shown: MeshInstance3D = own[0]
-	if as_nodes:
-		for place: Array in places:
+	if shot.as_nodes:
+		for number in places.size():
 			var copy: MeshInstance3D = shown.duplicate()
 			copy.name = "Copy"
 			copy.visible = true
-			copy.transform = placed(place) * shown.global_transform
+			copy.transform = placed(places[number]) * shown.global_transform
+			var values: Dictionary = shot["values"][number] if shot["values"] else {}
+			for parameter: String in values:
+				copy.set_instance_shader_parameter(parameter, value(values[parameter]))
 			main.add_child(copy, true)
 		return
 	var crowd := MultiMeshInstance3D.new()
 	crowd.name = "Copy"
 	crowd.multimesh = MultiMesh.new()
 	crowd.multimesh.transform_format = MultiMesh.TRANSFORM_3D
+	crowd.multimesh.use_colors = not shot.colours.is_empty()
 	crowd.multimesh.mesh = shown.mesh
 	crowd.multimesh.instance_count = places.size()
 	for number in places.size():
 		crowd.multimesh.set_instance_transform(number, placed(places[number]) * shown.global_transform)
+	for number: int in shot.colours.size():
+		var parts: Array = shot.colours[number]
+		crowd.multimesh.set_instance_color(number, Color(parts[0], parts[1], parts[2], parts[3]))
 	main.add_child(crowd)
 
 
@@ -95,7 +108,10 @@ func picture_behind(layer: CanvasLayer) -> TextureRect:
 	return found
 
 
+## A colour of its name, a vector of three numbers, or a number as it is.
 func value(found: Variant) -> Variant:
+	if found is String:
+		return Color(found)
 	return Vector3(found[0], found[1], found[2]) if found is Array else found
 
 
