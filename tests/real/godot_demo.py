@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A project for Godot with a moving mirror, and pictures of it as it runs.
+"""Projects for Godot: a moving mirror, or shadows on and under a bake; and pictures of them as they run.
 
     python -m tests.real.godot_demo PROJECT                      # bakes a stage and writes the project
     python -m tests.real.godot_demo PROJECT --pictures FOLDER    # and twelve pictures of the ball's way round
+    python -m tests.real.godot_demo PROJECT --shadows --pictures FOLDER   # a head: a picture by each renderer
 
 The pictures come from Godot in the root of `tests.real.root`; `strip.png` has them side by side.
 """
@@ -22,12 +23,13 @@ from PIL import Image
 from radtex_addon.export.exporting import export_steps
 from radtex_addon.report.finished_bake import find_bake
 from radtex_addon.textures.export_spec import ExportSpec, Target
-from tests.real.exhibit import Form
+from tests.real.exhibit import Exhibit, Form
 from tests.real.godot import ALL_RENDERERS, imported, run_godot
 from tests.real.mirror_scene import bake_stage
 from tests.real.root import PROGRAMS, Root, ready_root
 
 FRAMES = 12  # one a second: mirror.gd's ball goes round in twelve
+SHADOWS = Path(__file__).parent / "inside" / "godot" / "shadows.tscn"
 _BLACK = 8  # of 255: what the background is at most
 
 
@@ -37,6 +39,36 @@ def write_project(project: Path, form: Form = Form.LAYERED) -> None:
         bake_stage(form, Path(folder))
         spec = ExportSpec(Target.GODOT, mirror=True)
         deque(export_steps(find_bake(Path(folder), None).path, spec, project, overwrite=True), maxlen=0)
+
+
+def write_shadows(sidecar: Path, project: Path) -> None:
+    """Export the exhibit's head into a project whose scene has a sun, a floor, and a ball before the sun."""
+    deque(export_steps(sidecar, ExportSpec(Target.GODOT), project, overwrite=True), maxlen=0)
+    (mesh,) = project.glob("*.glb")
+    scene = SHADOWS.read_text(encoding="utf-8").replace("Suzanne.glb", mesh.name)
+    (project / "main.tscn").write_text(scene, encoding="utf-8")
+
+
+def pictures_of_shadows(root: Root, project: Path, folder: Path) -> list[Path]:
+    """A picture of that scene by each renderer, in `folder`."""
+    place, inside = imported(root, project)
+    folder.mkdir(parents=True, exist_ok=True)
+    found = []
+    for renderer, arguments in ALL_RENDERERS.items():
+        frames = place / f"frames-{len(found)}"
+        frames.mkdir()
+        movie = [
+            "--write-movie",
+            f"{inside}/{frames.name}/frame.png",
+            "--fixed-fps",
+            "1",
+            "--quit-after",
+            "3",
+        ]
+        run_godot(root, ["--path", inside, *arguments, "--resolution", "640x480", *movie], timeout=600)
+        found.append(folder / f"{renderer.removesuffix('+').lower()}.png")
+        shutil.copy(max(frames.glob("*.png")), found[-1])
+    return found
 
 
 def run_of(root: Root, project: Path, renderer: str, folder: Path) -> list[Path]:
@@ -84,12 +116,22 @@ def main() -> None:
     parser.add_argument("project", type=Path)
     parser.add_argument("--pictures", type=Path)
     parser.add_argument("--renderer", choices=ALL_RENDERERS, default="Forward+")
+    parser.add_argument("--shadows", action="store_true", help="of a head on a floor, without a mirror")
     given = parser.parse_args()
-    write_project(given.project)
+    if given.shadows:
+        with tempfile.TemporaryDirectory() as folder:
+            write_shadows(Exhibit(Path(folder)).plain.sidecar, given.project)
+    else:
+        write_project(given.project)
     if given.pictures:
         path, _ = ready_root(PROGRAMS)
         with tempfile.TemporaryDirectory() as shared:
-            taken = run_of(Root(path, Path(shared)), given.project, given.renderer, given.pictures)
+            root = Root(path, Path(shared))
+            if given.shadows:
+                taken = pictures_of_shadows(root, given.project, given.pictures)
+            else:
+                taken = run_of(root, given.project, given.renderer, given.pictures)
+            root.end_servers()
         side_by_side(taken, given.pictures / "strip.png")
 
 
