@@ -4,12 +4,16 @@
 
 dist/radtex-godot-VERSION.zip has the folder addons/radtex alone, the shader includes in its folder lookups.
 Unpack it into a project, and enable RadTex under Project > Project Settings > Plugins.
+
+With --repository FOLDER also the files of a repository that has nothing but the addon, from which the asset
+library downloads a commit: commit them there, and tag them.
 """
 
 from __future__ import annotations
 
 import argparse
 import configparser
+import shutil
 import sys
 import tempfile
 import zipfile
@@ -19,6 +23,17 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
 from radtex_addon.export.targets.godot import copy_addon  # noqa: E402  # after the path
+
+GITIGNORE = "# what Godot makes of a project\n.godot/\n*.translation\n"
+GITATTRIBUTES = """\
+* text=auto eol=lf
+*.png binary
+
+# Users get the addon alone.
+/** export-ignore
+/addons !export-ignore
+/addons/** !export-ignore
+"""
 
 
 def build_addon(folder: Path) -> Path:
@@ -37,9 +52,24 @@ def build_addon(folder: Path) -> Path:
     return path
 
 
+def write_repository(folder: Path) -> None:
+    """Write what the asset library asks of a repository; FileExistsError where the addon is there already."""
+    addon = copy_addon(folder)
+    for name in ("LICENSE", "README.md"):
+        shutil.copyfile(addon / name, folder / name)
+    shutil.copyfile(ROOT / "docs" / "figures" / "listing-godot-icon.png", folder / "icon.png")
+    (folder / ".gitignore").write_text(GITIGNORE, encoding="utf-8", newline="\n")
+    (folder / ".gitattributes").write_text(GITATTRIBUTES, encoding="utf-8", newline="\n")
+
+
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--out", type=Path, default=ROOT / "dist")
-    print(build_addon(parser.parse_args().out))
+    parser.add_argument("--repository", type=Path, metavar="FOLDER")
+    given = parser.parse_args()
+    print(build_addon(given.out))
+    if given.repository:
+        write_repository(given.repository)
+        print(given.repository)
