@@ -53,7 +53,7 @@ def pictures_of_shadows(root: Root, project: Path, folder: Path) -> list[Path]:
     """A picture of that scene by each renderer, in `folder`."""
     place, inside = imported(root, project)
     folder.mkdir(parents=True, exist_ok=True)
-    found = []
+    found: list[Path] = []
     for renderer, arguments in ALL_RENDERERS.items():
         frames = place / f"frames-{len(found)}"
         frames.mkdir()

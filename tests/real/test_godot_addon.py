@@ -12,6 +12,7 @@ import shutil
 from collections import deque
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -233,6 +234,42 @@ def test_the_editor_makes_no_levels_of_detail(root: Root) -> None:
     shutil.copy(Path(__file__).parent / "inside/godot/lods.gd", folder)
     said = said_by_godot(root, ["--headless", "--path", inside, "--script", "res://lods.gd"])
     assert said.count("Ball: 1 surface, 0 levels of detail, of radtex/surfaces") == 2
+
+
+@pytest.mark.parametrize("form", Form)
+def test_an_extracted_material_of_another_export_is_warned_of(
+    form: Form, exhibit: Exhibit, root: Root, tmp_path: Path
+) -> None:
+    """Godot goes on to use it. That of this export is no reason to warn, however often it is imported."""
+    export = EXTENSION_FOLDER / "example"
+    if form is Form.LAYERED:
+        export = exported(exhibit.layered.sidecar, ExportSpec(Target.GLTF), tmp_path)
+    settings = {"materials/extract": 1, "materials/extract_format": 0, "materials/extract_path": ""}
+    folder, inside = filled(root, {"own": export}, {"own": settings})
+    said = [said_by_godot(root, ["--headless", "--path", inside, "--import"])]
+    (mesh,) = (folder / "own").glob("*.glb")
+    assert list((folder / "own").glob("*.tres"))
+    glb = Glb.read(mesh)
+    for change in ("none", "another export"):
+        glb.document["asset"]["generator"] = change  # another file, which is imported again
+        if change != "none":
+            for material in glb.document["materials"]:
+                _change(extension_in(material))
+        glb.write(mesh)
+        said.append(said_by_godot(root, ["--headless", "--path", inside, "--import"]))
+    warned = ["is the material of another export" in each for each in said]
+    print(warned, said[-1][-2000:])
+    assert warned == [False, False, True]
+
+
+def _change(facts: dict[str, Any]) -> None:
+    """Let the JSON say another value, such as another export has."""
+    if "shader" in facts:
+        for material in facts["shader"]["materials"]:
+            name, found = next(iter(material.items()))
+            material[name] = [[0.5] * 4] * len(found) if isinstance(found[0], list) else [0.5] * 4
+    else:
+        facts["textures"]["radiance"]["levels"] -= 1
 
 
 def _keep(name: str, strip: list[Picture]) -> None:

@@ -134,7 +134,7 @@ def check_multiples(taken: Picture, plain: Picture, factors: Sequence[Floats], n
     print(f"{name}: {found:.1f} dB, exchanged {decibels(taken, np.minimum(wrong, 1), seen):.1f} dB")
     assert seen.mean() > 0.03
     assert found > MULTIPLE
-    if not np.array_equal(*factors):
+    if not np.array_equal(factors[0], factors[1]):
         assert decibels(taken, np.minimum(wrong, 1), seen) < MULTIPLE - 7
 
 

@@ -42,6 +42,7 @@ from tests.real import mirror_scene
 from tests.real.exhibit import CAMERAS, Bake, Camera, Exhibit, Form, decibels
 from tests.real.godot import (
     ALL_RENDERERS,
+    MOBILE,
     RENDERERS,
     Placed,
     Shot,
@@ -322,7 +323,8 @@ def test_godot_shows_a_layered_bake(name: str, exhibit: Exhibit, root: Root, tmp
     shots = [*(Shot(camera) for camera in CAMERAS), Shot(FRONT, turn=70), Shot(FRONT, {"exposure": 0.25})]
     for renderer in RENDERERS:
         for shot, picture in zip(shots, pictures(root, project, renderer, shots), strict=True):
-            wanted = made_up_picture(bake, case, shot.camera) * shot.parameters.get("exposure", 1)
+            exposure = 0.25 if shot.parameters else 1.0
+            wanted = made_up_picture(bake, case, shot.camera) * exposure
             found = decibels(picture, wanted, bake.eroded(shot.camera))
             print(f"{renderer} {name}, {shot.camera.name}, turned by {shot.turn}: {found:.1f} dB")
             assert found > LEAST_MADE_UP
@@ -340,6 +342,28 @@ def test_a_project_asks_for_cheaper_lookups(exhibit: Exhibit, root: Root, tmp_pa
     found = decibels(noisy, made_up_picture(bake, case, FRONT), bake.eroded(FRONT))
     print(f"drawn by chance: {found:.1f} dB")
     assert 15 < found < LEAST_MADE_UP
+
+
+@pytest.mark.parametrize("form", Form)
+def test_a_project_lets_opaque_bakes_fade(form: Form, exhibit: Exhibit, root: Root, tmp_path: Path) -> None:
+    """In the renderers without Godot's own transparency: whole as ever, and clear by half and by all."""
+    bake: Bake = getattr(exhibit, form)
+    place = project(bake, tmp_path)
+    with (place / "project.godot").open("a", encoding="utf-8") as settings:
+        settings.write("\n[radtex]\n\nmaterials/fading=true\n")
+    imported_once = imported(root, place)
+    shots = [
+        replace(shots_of(form)[0], parameters={**shots_of(form)[0].parameters, "material_opacity": share})
+        for share in (1.0, 0.5, 0.0)
+    ]
+    mask = bake.eroded(FRONT)
+    for renderer in ("Compatibility", MOBILE):
+        whole, half, none = pictures(root, imported_once, renderer, shots)
+        found, ratio = decibels(whole, bake.picture(FRONT), mask), half[mask].mean() / whole[mask].mean()
+        print(f"{renderer} {form}: {found:.1f} dB, by half {ratio:.2f} of the light")
+        assert found > LEAST
+        assert 0.2 < ratio < 0.8
+        assert none.max() < 0.01
 
 
 def _keep(path: Path, taken: list[Picture]) -> None:

@@ -15,7 +15,9 @@ const STEADY := 0.16  ## By how much lobes widen where normals spread within a p
 const TEMPORAL := "radtex/lookups/temporal"
 ## The project setting of tint, exposure and opacity of each node. What was imported before is as it was.
 const OBJECT_VALUES := "radtex/materials/object_values"
-const DEFAULTS := {TEMPORAL: false, OBJECT_VALUES: true}
+## The project setting by which opaque bakes of light are drawn among what is transparent, so that they can fade.
+const FADING := "radtex/materials/fading"
+const DEFAULTS := {TEMPORAL: false, OBJECT_VALUES: true, FADING: false}
 const TRANSPARENT := "RGBA16F"  ## The only format of light that has alpha.
 
 
@@ -136,6 +138,8 @@ static func _buckets(facts: Dictionary, textures: Textures) -> Recipe:
 		recipe.defines["HULL"] = 1
 	if entry.format == TRANSPARENT:
 		recipe.blend("depth_draw_always")
+	elif setting(FADING):
+		recipe.blend("depth_prepass_alpha")
 	return recipe
 
 
@@ -154,7 +158,7 @@ static func _layered(facts: Dictionary, number: int, textures: Textures) -> Reci
 		recipe.defines["RADTEX_IMAGES"] = 1
 	if recipe.defines.has("RADTEX_THROUGH"):
 		recipe.lookups.append("radtex_layered_through")
-	if recipe.defines.has("RADTEX_ALPHA"):
+	if recipe.defines.has("RADTEX_ALPHA") or setting(FADING):
 		recipe.blend("depth_prepass_alpha")
 	for uniform: String in own:
 		recipe.values[uniform] = _vectors(own[uniform])
