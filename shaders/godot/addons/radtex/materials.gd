@@ -136,10 +136,8 @@ static func _buckets(facts: Dictionary, textures: Textures) -> Recipe:
 	_put_matrix(recipe, entry, facts.bake)
 	if hull:
 		recipe.defines["HULL"] = 1
-	if entry.format == TRANSPARENT:
+	if entry.format == TRANSPARENT or setting(FADING):
 		recipe.blend("depth_draw_always")
-	elif setting(FADING):
-		recipe.blend("depth_prepass_alpha")
 	return recipe
 
 
@@ -158,8 +156,10 @@ static func _layered(facts: Dictionary, number: int, textures: Textures) -> Reci
 		recipe.defines["RADTEX_IMAGES"] = 1
 	if recipe.defines.has("RADTEX_THROUGH"):
 		recipe.lookups.append("radtex_layered_through")
-	if recipe.defines.has("RADTEX_ALPHA") or setting(FADING):
+	if recipe.defines.has("RADTEX_ALPHA"):
 		recipe.blend("depth_prepass_alpha")
+	elif setting(FADING):
+		recipe.blend("depth_draw_always")  # the other one is wrong in Mobile
 	for uniform: String in own:
 		recipe.values[uniform] = _vectors(own[uniform])
 	recipe.values["baked"] = TO_BLENDER
