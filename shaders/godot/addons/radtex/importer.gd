@@ -84,7 +84,7 @@ static func _is_readable(facts: Dictionary) -> bool:
 		return false
 	var problem := Checks.new(facts).problem
 	if problem:
-		push_error("RadTex: a material is not as RadTex writes it, %s: its flat lightmap is shown. Ask who made the .glb." % problem)
+		push_error("RadTex: a material is not as this addon knows it, %s: its flat lightmap is shown. Update addons/radtex to that of the export, or ask who made the .glb." % problem)
 	return problem.is_empty()
 
 

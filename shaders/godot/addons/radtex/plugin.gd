@@ -7,10 +7,12 @@ extends EditorPlugin
 const Importer := preload("importer.gd")
 const PostImport := preload("post_import.gd")
 const Materials := preload("materials.gd")
+const Export := preload("export.gd")
 const AUTOLOAD := "RadTex"  ## Registers the same importer in the game, for .glb files that it loads itself.
 
 var _importer: Importer
 var _post_import: PostImport
+var _export: Export
 
 
 func _enable_plugin() -> void:
@@ -32,8 +34,11 @@ func _enter_tree() -> void:
 	GLTFDocument.register_gltf_document_extension(_importer, true)
 	_post_import = PostImport.new()
 	add_scene_post_import_plugin(_post_import)
+	_export = Export.new()
+	add_export_plugin(_export)
 
 
 func _exit_tree() -> void:
+	remove_export_plugin(_export)
 	remove_scene_post_import_plugin(_post_import)
 	GLTFDocument.unregister_gltf_document_extension(_importer)
