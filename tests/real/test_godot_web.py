@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Godot's exported games: as a pack on this machine, and in a real Chromium, both as Godot itself shows the project.
+"""Godot's exported games, as a pack on this machine and in a real Chromium: what Godot shows of the project.
 
 Godot exports the project; the program that runs it in a browser, Godot's own, is taken from an npm package.
 With RADTEX_FIGURES=docs/figures godot-web-plain.png is kept: on this machine, in Chromium.
