@@ -228,9 +228,12 @@ def test_what_is_not_drawn_keeps_the_flat_lightmap_and_is_said(
 def test_the_guides_page_shows_it(web: Site, exhibit: Exhibit, script: Path) -> None:
     folder = web.add("plain", exhibit.plain)
     with babylon(web, folder, script) as page:  # which puts the decoder there
-        shutil.copyfile(script.parent / "guide_bundled.js", folder / "babylon.js")
-        page.shown.page.goto(f"{web.address}/plain/babylon.html?file=Suzanne.glb")
-        page.shown.page.wait_for_function("document.querySelectorAll('canvas').length === 2")
+        shutil.copyfile(script.parent / "guide_bundled.js", folder / "guide.js")
+        (folder / "guide.html").write_text(
+            '<!doctype html><body></body><script type="module" src="guide.js"></script>'
+        )
+        page.shown.page.goto(f"{web.address}/plain/guide.html?file=Suzanne.glb")
+        page.shown.page.wait_for_function("document.querySelectorAll('canvas').length === 1")
         page.shown.page.wait_for_load_state("networkidle")
         page.shown.page.wait_for_timeout(3000)
         box = page.shown.page.locator("canvas").last.bounding_box()
