@@ -20,7 +20,7 @@ import type { Scene } from "@babylonjs/core/scene.js";
 import bucketLookups from "../../radtex.glsl";
 import layeredLookups from "../../radtex_layered.glsl";
 import throughLookups from "../../radtex_layered_through.glsl";
-import type { Manifest, ShaderFacts } from "../../three/src/manifest.js";
+import { type Manifest, ofOneLobe, type ShaderFacts, STEADY } from "../../three/src/manifest.js";
 import bucketLight from "../../three/src/shaders/buckets.glsl";
 import layeredLight from "../../three/src/shaders/layered.glsl";
 import surface from "./shaders/surface.glsl";
@@ -29,8 +29,6 @@ import surfaceVertex from "./shaders/surface.vert.glsl";
 // Has Babylon.js leave the text to the device, which knows all that is in it.
 const VERSION = "#version 300 es\n";
 const PRECISION = "precision highp float; precision highp int; precision highp sampler2D; precision highp sampler2DArray;\n";
-// By how much lobes widen where normals spread within a pixel, so that what moves does not shimmer: a pixel's own box.
-const STEADY = 0.16;
 
 /** GLSL with a function `light`, the values of its uniforms, and the textures that it reads, by their uniforms. */
 interface Lookups {
@@ -151,10 +149,7 @@ function lookupsOf(manifest: Manifest, number: number): Lookups {
 
 function layered(facts: ShaderFacts, number: number): Lookups {
   const own = facts.materials[number] ?? {};
-  const lobes = (own["radtex_lobes"] ?? []) as number[][];
-  const second = lobes.slice(lobes.length / 2).flatMap((each) => each.slice(0, 3));
-  const one = lobes.length > 0 && second.every((weight) => weight === 0);
-  const defines = { ...facts.defines, ...(one ? { RADTEX_SECOND_LOBE: 0 } : {}), RADTEX_STEADY: STEADY };
+  const defines = { ...facts.defines, ...ofOneLobe(own), RADTEX_STEADY: STEADY };
   const told = Object.entries(defines).map(([name, value]) => `#define ${name} ${value}`);
   const through = "RADTEX_THROUGH" in facts.defines ? throughLookups : "";
   const values = Object.entries({ ...facts.values, ...own }).map(([name, value]) => [name, value.flat()]);

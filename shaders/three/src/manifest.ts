@@ -66,6 +66,17 @@ export interface ShaderFacts {
   materials: UniformValues[];
 }
 
+// By how much lobes widen where normals spread within a pixel, so that what moves does not shimmer: a pixel's own box.
+export const STEADY = 0.16;
+
+/** Leaves the second lobe out of the shader of a material that has none, though others of its bake do. */
+export function ofOneLobe(material: UniformValues): Record<string, number> {
+  const lobes = (material["radtex_lobes"] ?? []) as number[][];
+  const second = lobes.slice(lobes.length / 2);
+  const weights = second.flatMap((each) => each.slice(0, 3));
+  return lobes.length && weights.every((weight) => weight === 0) ? { RADTEX_SECOND_LOBE: 0 } : {};
+}
+
 /** The bake's sidecar, as far as the page reads it. */
 export interface Sidecar {
   kind: Kind;

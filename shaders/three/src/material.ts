@@ -236,6 +236,6 @@ function assemble(
 }
 
 /** A hull shows its front alone: what is seen through it is in its texture; and so do faces with backs of their own. */
-function sidesOf(manifest: Manifest): Side {
+export function sidesOf(manifest: Manifest): Side {
   return manifest.bake.kind === "proxy" || manifest.culled ? FrontSide : DoubleSide;
 }

@@ -4,9 +4,7 @@
 
 import {
   type Color,
-  DoubleSide,
   DynamicDrawUsage,
-  FrontSide,
   type InstancedMesh,
   InterleavedBufferAttribute,
   Matrix3,
@@ -20,7 +18,7 @@ import { InterpolationSamplingMode, InterpolationSamplingType, NodeMaterial } fr
 import { deviceForNodes, type GpuRenderer, uploadByNodes } from "./gpu_textures.js";
 import { type Frame, loadOf, LookupNode, type Nodal, type Place, tsl } from "./lookup_node.js";
 import type { Manifest } from "./manifest.js";
-import { hasAlpha, type Look, type MaterialOptions, type Nodes, plainLook } from "./material.js";
+import { hasAlpha, type Look, type MaterialOptions, type Nodes, plainLook, sidesOf } from "./material.js";
 import type { Bake } from "./parts.js";
 import { Problem } from "./problem.js";
 import { wgslRefuses } from "./wgsl.js";
@@ -85,7 +83,7 @@ abstract class SurfaceNodeMaterial extends NodeMaterial {
     this.premultipliedAlpha = true;
     this.transparent = blended;
     this.forceSinglePass = true; // triangles of what is clear are in order
-    this.side = manifest.bake.kind === "proxy" || manifest.culled ? FrontSide : DoubleSide;
+    this.side = sidesOf(manifest);
     Object.assign(this, NOTHING);
     const exposure = tsl.uniform(look.exposure.value).onObjectUpdate(() => look.exposure.value);
     const clear = blended && manifest.bake.kind !== "proxy";

@@ -11,7 +11,7 @@ import throughLookups from "../../radtex_layered_through.glsl";
 import transferLookups from "../../radtex_transfer.glsl";
 import type { Filter } from "./filters.js";
 import { BASE, bucketsOf, SUM, WHOLE } from "./layers.js";
-import type { Manifest, ShaderFacts, Sidecar, UniformValues } from "./manifest.js";
+import { type Manifest, ofOneLobe, type ShaderFacts, type Sidecar, STEADY, type UniformValues } from "./manifest.js";
 import { Problem } from "./problem.js";
 import bucketLight from "./shaders/buckets.glsl";
 import layeredLight from "./shaders/layered.glsl";
@@ -24,8 +24,6 @@ import type { BakeTexture } from "./textures.js";
 const OF_IMAGES = ["colour", "tint", "normal"];
 const WHITE = new DataTexture(new Uint8Array([255, 255, 255, 255]), 1, 1);
 WHITE.needsUpdate = true;
-// By how much lobes widen where normals spread within a pixel, so that what moves does not shimmer: a pixel's own box.
-export const STEADY = 0.16;
 
 /** What is drawn: the mesh, the inspector's picture of one bucket, or its three pixels of numbers. */
 export type Stage = "mesh" | "bucket" | "probe";
@@ -185,14 +183,6 @@ export function layeredFacts(
   if (stage === "mesh") defines["RADTEX_STEADY"] = STEADY;
   else defines["RADTEX_NO_DERIVATIVES"] = ""; // a picture of one point has none
   return { defines, uniforms };
-}
-
-/** Leaves the second lobe out of the shader of a material that has none, though others of its bake do. */
-function ofOneLobe(material: UniformValues): Record<string, number> {
-  const lobes = (material["radtex_lobes"] ?? []) as number[][];
-  const second = lobes.slice(lobes.length / 2);
-  const weights = second.flatMap((each) => each.slice(0, 3));
-  return lobes.length && weights.every((weight) => weight === 0) ? { RADTEX_SECOND_LOBE: 0 } : {};
 }
 
 /** The values of all materials, one behind the other. */
