@@ -10,19 +10,125 @@
 // where N, T and B are the unit normal, tangent and bitangent of the baked UV map in the world space of the bake. Also
 // defined before are RADTEX_EXIT_CELLS and RADTEX_THROUGH_CELLS, cells along the sides of buckets; and RADTEX_EXIT_TAPS
 // (16, 4; default 16): the ways around are taken one by one, 32 fetches; or as the textures' filter blends those of
-// texels, 8 fetches, which is far off where they part.
+// texels, 8 fetches, which is far off where they part. Or RADTEX_FIELD: closed glass, whose distance field rays are followed
+// through, two fetches a step.
 
 #ifndef RADTEX_EXIT_TAPS
 #define RADTEX_EXIT_TAPS 16
 #endif
 
 #ifndef RADTEX_DECLARED
-uniform sampler2D radtex_exit_direction_map, radtex_exit_place_map, radtex_through_rest_map;
-uniform sampler2D radtex_through_colour_map;
+#ifdef RADTEX_FIELD
+uniform sampler2D radtex_field_map;  // 16-bit floats
+uniform vec4 radtex_field_range, radtex_field_low, radtex_field_size, radtex_field_glass;
+#else
+uniform sampler2D radtex_exit_direction_map, radtex_exit_place_map;
 uniform vec4 radtex_exit_direction_range, radtex_exit_place_range, radtex_exit_tile;
+#endif
+uniform sampler2D radtex_through_rest_map;
+uniform sampler2D radtex_through_colour_map;
 uniform vec4 radtex_through_colour_range, radtex_through_rest_range, radtex_through_rest_tile;
 #endif
 
+#ifdef RADTEX_FIELD
+// The field at a place in steps from its first sample: the unit normal of the surface nearest to it, and how far away that
+// is, below 0 inside. Its layers lie side by side: radtex_field_size.w of them in a row.
+vec4 radtex_field(vec3 at) {
+    vec4 size = radtex_field_size, range = radtex_field_range;
+    float low = clamp(floor(at.z), 0.0, size.z - 2.0);
+    vec2 scale = range.xy / (size.xy * vec2(size.w, ceil(size.z / size.w)));
+    float row = floor((low + 0.5) / size.w), next = floor((low + 1.5) / size.w);
+    vec2 first = vec2(low - row * size.w, row) * size.xy + at.xy + 0.5;
+    vec2 second = vec2(low + 1.0 - next * size.w, next) * size.xy + at.xy + 0.5;
+    vec4 below = textureLod(radtex_field_map, first * scale, 0.0);
+    return mix(below, textureLod(radtex_field_map, second * scale, 0.0), at.z - low) * range.z + range.w;
+}
+
+// A ray through the object: where it is, in steps of the field; `side`: 1 inside, -1 outside; `width`²; how often it was
+// reflected.
+struct RadtexWay {
+    vec3 place;
+    vec3 ray;
+    float weight;
+    float width;
+    float side;
+    float reflections;
+};
+
+// The cosine behind a surface, of an index of refraction over that before it; 0 if all is reflected.
+float radtex_beyond(float cosine, float index) {
+    return sqrt(max(1.0 - (1.0 - cosine * cosine) / (index * index), 0.0));
+}
+
+// The share that a smooth surface reflects.
+float radtex_fresnel(float cosine, float beyond, float index) {
+    float across = (cosine - index * beyond) / (cosine + index * beyond);
+    float along = (index * cosine - beyond) / (index * cosine + beyond);
+    return beyond > 0.0 ? 0.5 * (across * across + along * along) : 1.0;
+}
+
+// What of a ray is reflected, or else refracted, by a surface with the unit normal `ahead` on its far side.
+RadtexWay radtex_turned(RadtexWay way, vec3 ahead, float cosine, float index, bool back) {
+    vec4 glass = radtex_field_glass;
+    float beyond = radtex_beyond(cosine, index), reflected = radtex_fresnel(cosine, beyond, index);
+    vec3 bent = way.ray / index + (beyond - cosine / index) * ahead;
+    RadtexWay turned = way;
+    turned.ray = normalize(back ? way.ray - 2.0 * cosine * ahead : bent);
+    turned.weight = way.weight * (back ? reflected : 1.0 - reflected);
+    turned.width = way.width + (back ? glass.z : glass.y);
+    turned.side = back ? way.side : -way.side;
+    turned.reflections = way.reflections + (back ? 1.0 : 0.0);
+    turned.place = way.place + 1.5 * turned.ray;
+    if (turned.reflections > glass.w) turned.weight = 0.0;
+    return turned;
+}
+
+// What is seen of the surroundings through white glass. At each surface a ray goes on as most of its light does; of what
+// parts from it, the brightest is followed, too.
+vec3 radtex_followed(vec3 from, vec3 N, vec3 V) {
+    vec4 glass = radtex_field_glass, low = radtex_field_low;
+    vec3 last = radtex_field_size.xyz - 1.0, light = vec3(0.0, 0.0, 0.0);
+    float cosine = max(dot(V, N), 0.001), beyond = radtex_beyond(cosine, glass.x);
+    RadtexWay way;
+    way.ray = normalize((cosine / glass.x - beyond) * N - V / glass.x);
+    way.place = (from - low.xyz) * low.w + 1.5 * way.ray;
+    way.weight = 1.0 - radtex_fresnel(cosine, beyond, glass.x);
+    way.width = glass.y;
+    way.side = 1.0;
+    way.reflections = 0.0;
+    for (int k = 0; k < 2; k++) {
+        RadtexWay parted = way;
+        parted.weight = 0.0;
+        bool outside = false;
+        for (int taken = 0; taken < 64; taken++) {
+            vec3 room = min(way.place, last - way.place);
+            outside = min(room.x, min(room.y, room.z)) < 0.0;
+            if (outside || way.weight <= 0.004) break;
+            vec4 found = radtex_field(way.place);
+            vec3 ahead = found.xyz * (way.side * inversesqrt(max(dot(found.xyz, found.xyz), 1e-12)));
+            float free = -found.w * way.side, towards = dot(way.ray, ahead);
+            bool met = free < 0.1 && towards > 0.05;
+            way.place += (met ? free / max(towards, 0.2) : max(free, 0.5)) * way.ray;
+            if (met) {
+                float index = way.side > 0.0 ? 1.0 / glass.x : glass.x;
+                bool back = radtex_fresnel(towards, radtex_beyond(towards, index), index) >= 0.5;
+                RadtexWay other = radtex_turned(way, ahead, towards, index, !back);
+                if (other.weight > parted.weight) parted = other;
+                way = radtex_turned(way, ahead, towards, index, back);
+            }
+        }
+        if (way.weight > 0.004 && (outside || way.side < 0.0)) {
+            vec3 exit = low.xyz + way.place / low.w;
+            float spread = log2(max(way.width, 1e-12));
+            light += way.weight
+                * radtex_shown(exit, way.ray, radtex_met(exit, way.ray), spread, vec4(0.0, 0.0, 0.0, 1e6));
+        }
+        way = parted;
+    }
+    return light;
+}
+
+#else
 // A way, at a place in texels' units of tiles: luminance * direction, luminance.
 vec4 radtex_way(vec2 at) {
     vec4 range = radtex_exit_direction_range;
@@ -62,8 +168,9 @@ float radtex_tap_weight(int k, vec2 f, vec2 g) {
     return cell.x * cell.y;
 }
 
-// What is seen of the surroundings. Of the ways around, those are followed that agree with the strongest one.
-vec3 radtex_through(vec2 uv, vec3 from, vec3 N, vec3 V, vec3 T, vec3 B) {
+// What is seen of the surroundings through white glass. Of the ways around, those are followed that agree with the strongest
+// one.
+vec3 radtex_by_cells(vec2 uv, vec3 from, vec3 N, vec3 V, vec3 T, vec3 B) {
     float n = float(RADTEX_EXIT_CELLS);
     vec3 I = vec3(dot(V, T), dot(V, B), max(dot(V, N), 0.0));
     I *= inversesqrt(max(dot(I, I), 1e-18));
@@ -96,8 +203,19 @@ vec3 radtex_through(vec2 uv, vec3 from, vec3 N, vec3 V, vec3 T, vec3 B) {
     float width = max(path.w / luminance + max(1.0 - even / luminance - 0.03, 0.0), 1e-12);  // more if they disagree
     vec3 away = way.xyz / max(even, 1e-9), moved = path.xyz / luminance;
     vec3 ray = away.x * T + away.y * B + away.z * N, exit = from + moved.x * T + moved.y * B + moved.z * N;
-    return way.w * radtex_colours(radtex_through_colour_map, radtex_through_colour_range, uv)
-        * radtex_shown(exit, ray, radtex_met(exit, ray), log2(width), vec4(0.0, 0.0, 0.0, 1e6));
+    return way.w * radtex_shown(exit, ray, radtex_met(exit, ray), log2(width), vec4(0.0, 0.0, 0.0, 1e6));
+}
+#endif
+
+// What is seen of the surroundings.
+vec3 radtex_through(vec2 uv, vec3 from, vec3 N, vec3 V, vec3 T, vec3 B) {
+    vec3 light;
+#ifdef RADTEX_FIELD
+    light = radtex_followed(from, N, V);
+#else
+    light = radtex_by_cells(uv, from, N, V, T, B);
+#endif
+    return light * radtex_colours(radtex_through_colour_map, radtex_through_colour_range, uv);
 }
 
 #ifndef RADTEX_IMAGES

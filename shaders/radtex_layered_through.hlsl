@@ -11,7 +11,8 @@
 // where N, T and B are the unit normal, tangent and bitangent of the baked UV map in the world space of the bake. Also
 // defined before are RADTEX_EXIT_CELLS and RADTEX_THROUGH_CELLS, cells along the sides of buckets; and RADTEX_EXIT_TAPS
 // (16, 4; default 16): the ways around are taken one by one, 32 fetches; or as the textures' filter blends those of
-// texels, 8 fetches, which is far off where they part.
+// texels, 8 fetches, which is far off where they part. Or RADTEX_FIELD: closed glass, whose distance field rays are followed
+// through, two fetches a step.
 
 #ifndef RADTEX_LAYERED_THROUGH_HLSL
 #define RADTEX_LAYERED_THROUGH_HLSL
@@ -23,8 +24,12 @@
 #endif
 
 #ifndef RADTEX_DECLARED
+#ifdef RADTEX_FIELD
+Texture2D radtex_field_map RADTEX_TEXTURE(12);
+#else
 Texture2D radtex_exit_direction_map RADTEX_TEXTURE(12);
 Texture2D radtex_exit_place_map RADTEX_TEXTURE(13);
+#endif
 Texture2D radtex_through_colour_map RADTEX_TEXTURE(14);
 Texture2D radtex_through_rest_map RADTEX_TEXTURE(15);
 
@@ -35,9 +40,112 @@ cbuffer RadtexThrough RADTEX_BUFFER(2) {
     float4 radtex_through_colour_range;
     float4 radtex_through_rest_range;
     float4 radtex_through_rest_tile;
+    float4 radtex_field_range;
+    float4 radtex_field_low;
+    float4 radtex_field_size;
+    float4 radtex_field_glass;
 };
 #endif
 
+#ifdef RADTEX_FIELD
+// The field at a place in steps from its first sample: the unit normal of the surface nearest to it, and how far away that
+// is, below 0 inside. Its layers lie side by side: radtex_field_size.w of them in a row.
+float4 radtex_field(float3 at) {
+    float4 size = radtex_field_size, range = radtex_field_range;
+    float low = clamp(floor(at.z), 0.0, size.z - 2.0);
+    float2 scale = range.xy / (size.xy * float2(size.w, ceil(size.z / size.w)));
+    float row = floor((low + 0.5) / size.w), next = floor((low + 1.5) / size.w);
+    float2 first = float2(low - row * size.w, row) * size.xy + at.xy + 0.5;
+    float2 second = float2(low + 1.0 - next * size.w, next) * size.xy + at.xy + 0.5;
+    float4 below = radtex_looked_up(radtex_field_map, first * scale, 0.0);
+    return lerp(below, radtex_looked_up(radtex_field_map, second * scale, 0.0), at.z - low) * range.z + range.w;
+}
+
+// A ray through the object: where it is, in steps of the field; `side`: 1 inside, -1 outside; `width`²; how often it was
+// reflected.
+struct RadtexWay {
+    float3 place;
+    float3 ray;
+    float weight;
+    float width;
+    float side;
+    float reflections;
+};
+
+// The cosine behind a surface, of an index of refraction over that before it; 0 if all is reflected.
+float radtex_beyond(float cosine, float index) {
+    return sqrt(max(1.0 - (1.0 - cosine * cosine) / (index * index), 0.0));
+}
+
+// The share that a smooth surface reflects.
+float radtex_fresnel(float cosine, float beyond, float index) {
+    float across = (cosine - index * beyond) / (cosine + index * beyond);
+    float along = (index * cosine - beyond) / (index * cosine + beyond);
+    return beyond > 0.0 ? 0.5 * (across * across + along * along) : 1.0;
+}
+
+// What of a ray is reflected, or else refracted, by a surface with the unit normal `ahead` on its far side.
+RadtexWay radtex_turned(RadtexWay way, float3 ahead, float cosine, float index, bool back) {
+    float4 glass = radtex_field_glass;
+    float beyond = radtex_beyond(cosine, index), reflected = radtex_fresnel(cosine, beyond, index);
+    float3 bent = way.ray / index + (beyond - cosine / index) * ahead;
+    RadtexWay turned = way;
+    turned.ray = normalize(back ? way.ray - 2.0 * cosine * ahead : bent);
+    turned.weight = way.weight * (back ? reflected : 1.0 - reflected);
+    turned.width = way.width + (back ? glass.z : glass.y);
+    turned.side = back ? way.side : -way.side;
+    turned.reflections = way.reflections + (back ? 1.0 : 0.0);
+    turned.place = way.place + 1.5 * turned.ray;
+    if (turned.reflections > glass.w) turned.weight = 0.0;
+    return turned;
+}
+
+// What is seen of the surroundings through white glass. At each surface a ray goes on as most of its light does; of what
+// parts from it, the brightest is followed, too.
+float3 radtex_followed(float3 from, float3 N, float3 V) {
+    float4 glass = radtex_field_glass, low = radtex_field_low;
+    float3 last = radtex_field_size.xyz - 1.0, light = float3(0.0, 0.0, 0.0);
+    float cosine = max(dot(V, N), 0.001), beyond = radtex_beyond(cosine, glass.x);
+    RadtexWay way;
+    way.ray = normalize((cosine / glass.x - beyond) * N - V / glass.x);
+    way.place = (from - low.xyz) * low.w + 1.5 * way.ray;
+    way.weight = 1.0 - radtex_fresnel(cosine, beyond, glass.x);
+    way.width = glass.y;
+    way.side = 1.0;
+    way.reflections = 0.0;
+    for (int k = 0; k < 2; k++) {
+        RadtexWay parted = way;
+        parted.weight = 0.0;
+        bool outside = false;
+        for (int taken = 0; taken < 64; taken++) {
+            float3 room = min(way.place, last - way.place);
+            outside = min(room.x, min(room.y, room.z)) < 0.0;
+            if (outside || way.weight <= 0.004) break;
+            float4 found = radtex_field(way.place);
+            float3 ahead = found.xyz * (way.side * rsqrt(max(dot(found.xyz, found.xyz), 1e-12)));
+            float free = -found.w * way.side, towards = dot(way.ray, ahead);
+            bool met = free < 0.1 && towards > 0.05;
+            way.place += (met ? free / max(towards, 0.2) : max(free, 0.5)) * way.ray;
+            if (met) {
+                float index = way.side > 0.0 ? 1.0 / glass.x : glass.x;
+                bool back = radtex_fresnel(towards, radtex_beyond(towards, index), index) >= 0.5;
+                RadtexWay other = radtex_turned(way, ahead, towards, index, !back);
+                if (other.weight > parted.weight) parted = other;
+                way = radtex_turned(way, ahead, towards, index, back);
+            }
+        }
+        if (way.weight > 0.004 && (outside || way.side < 0.0)) {
+            float3 exit = low.xyz + way.place / low.w;
+            float spread = log2(max(way.width, 1e-12));
+            light += way.weight
+                * radtex_shown(exit, way.ray, radtex_met(exit, way.ray), spread, float4(0.0, 0.0, 0.0, 1e6));
+        }
+        way = parted;
+    }
+    return light;
+}
+
+#else
 // A way, at a place in texels' units of tiles: luminance * direction, luminance.
 float4 radtex_way(float2 at) {
     float4 range = radtex_exit_direction_range;
@@ -77,8 +185,9 @@ float radtex_tap_weight(int k, float2 f, float2 g) {
     return cell.x * cell.y;
 }
 
-// What is seen of the surroundings. Of the ways around, those are followed that agree with the strongest one.
-float3 radtex_through(float2 uv, float3 from, float3 N, float3 V, float3 T, float3 B) {
+// What is seen of the surroundings through white glass. Of the ways around, those are followed that agree with the strongest
+// one.
+float3 radtex_by_cells(float2 uv, float3 from, float3 N, float3 V, float3 T, float3 B) {
     float n = float(RADTEX_EXIT_CELLS);
     float3 I = float3(dot(V, T), dot(V, B), max(dot(V, N), 0.0));
     I *= rsqrt(max(dot(I, I), 1e-18));
@@ -111,8 +220,19 @@ float3 radtex_through(float2 uv, float3 from, float3 N, float3 V, float3 T, floa
     float width = max(path.w / luminance + max(1.0 - even / luminance - 0.03, 0.0), 1e-12);  // more if they disagree
     float3 away = way.xyz / max(even, 1e-9), moved = path.xyz / luminance;
     float3 ray = away.x * T + away.y * B + away.z * N, exit = from + moved.x * T + moved.y * B + moved.z * N;
-    return way.w * radtex_colours(radtex_through_colour_map, radtex_through_colour_range, uv)
-        * radtex_shown(exit, ray, radtex_met(exit, ray), log2(width), float4(0.0, 0.0, 0.0, 1e6));
+    return way.w * radtex_shown(exit, ray, radtex_met(exit, ray), log2(width), float4(0.0, 0.0, 0.0, 1e6));
+}
+#endif
+
+// What is seen of the surroundings.
+float3 radtex_through(float2 uv, float3 from, float3 N, float3 V, float3 T, float3 B) {
+    float3 light;
+#ifdef RADTEX_FIELD
+    light = radtex_followed(from, N, V);
+#else
+    light = radtex_by_cells(uv, from, N, V, T, B);
+#endif
+    return light * radtex_colours(radtex_through_colour_map, radtex_through_colour_range, uv);
 }
 
 #ifndef RADTEX_IMAGES

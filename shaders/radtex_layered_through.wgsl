@@ -14,6 +14,7 @@ override RADTEX_THROUGH_CELLS: i32 = 8;
 // 16: the ways around are taken one by one, 32 fetches; 4: as the textures' filter blends those of texels, 8 fetches,
 // which is far off where they part.
 override RADTEX_EXIT_TAPS: i32 = 16;
+override RADTEX_FIELD: bool = false;  // closed glass: rays are followed through its distance field, two fetches a step
 
 struct RadtexThrough {
     direction_range: vec4f,
@@ -22,6 +23,10 @@ struct RadtexThrough {
     colour_range: vec4f,
     rest_range: vec4f,
     rest_tile: vec4f,
+    field_range: vec4f,
+    field_low: vec4f,
+    field_size: vec4f,
+    field_glass: vec4f,
 }
 
 @group(1) @binding(15) var<uniform> radtex_exit: RadtexThrough;
@@ -29,6 +34,112 @@ struct RadtexThrough {
 @group(1) @binding(17) var radtex_exit_place_map: texture_2d<f32>;
 @group(1) @binding(18) var radtex_through_colour_map: texture_2d<f32>;
 @group(1) @binding(19) var radtex_through_rest_map: texture_2d<f32>;
+@group(1) @binding(20) var radtex_field_map: texture_2d<f32>;
+
+// The field at a place in steps from its first sample: the unit normal of the surface nearest to it, and how far away that
+// is, below 0 inside. Its layers lie side by side: radtex_field_size.w of them in a row.
+fn radtex_field(at: vec3f) -> vec4f {
+    let size = radtex_exit.field_size;
+    let range = radtex_exit.field_range;
+    let low = clamp(floor(at.z), 0.0, size.z - 2.0);
+    let scale = range.xy / (size.xy * vec2f(size.w, ceil(size.z / size.w)));
+    let row = floor((low + 0.5) / size.w);
+    let next = floor((low + 1.5) / size.w);
+    let first = vec2f(low - row * size.w, row) * size.xy + at.xy + 0.5;
+    let second = vec2f(low + 1.0 - next * size.w, next) * size.xy + at.xy + 0.5;
+    let below = textureSampleLevel(radtex_field_map, radtex_filtering, first * scale, 0.0);
+    return mix(below, textureSampleLevel(radtex_field_map, radtex_filtering, second * scale, 0.0), at.z - low)
+        * range.z + range.w;
+}
+
+// A ray through the object: where it is, in steps of the field; `side`: 1 inside, -1 outside; `width`²; how often it was
+// reflected.
+struct RadtexWay {
+    place: vec3f,
+    ray: vec3f,
+    weight: f32,
+    width: f32,
+    side: f32,
+    reflections: f32,
+}
+
+// The cosine behind a surface, of an index of refraction over that before it; 0 if all is reflected.
+fn radtex_beyond(cosine: f32, index: f32) -> f32 {
+    return sqrt(max(1.0 - (1.0 - cosine * cosine) / (index * index), 0.0));
+}
+
+// The share that a smooth surface reflects.
+fn radtex_fresnel(cosine: f32, beyond: f32, index: f32) -> f32 {
+    let across = (cosine - index * beyond) / (cosine + index * beyond);
+    let along = (index * cosine - beyond) / (index * cosine + beyond);
+    return select(1.0, 0.5 * (across * across + along * along), beyond > 0.0);
+}
+
+// What of a ray is reflected, or else refracted, by a surface with the unit normal `ahead` on its far side.
+fn radtex_turned(way: RadtexWay, ahead: vec3f, cosine: f32, index: f32, back: bool) -> RadtexWay {
+    let glass = radtex_exit.field_glass;
+    let beyond = radtex_beyond(cosine, index);
+    let reflected = radtex_fresnel(cosine, beyond, index);
+    let bent = way.ray / index + (beyond - cosine / index) * ahead;
+    var turned = way;
+    turned.ray = normalize(select(bent, way.ray - 2.0 * cosine * ahead, back));
+    turned.weight = way.weight * select(1.0 - reflected, reflected, back);
+    turned.width = way.width + select(glass.y, glass.z, back);
+    turned.side = select(-way.side, way.side, back);
+    turned.reflections = way.reflections + select(0.0, 1.0, back);
+    turned.place = way.place + 1.5 * turned.ray;
+    if turned.reflections > glass.w { turned.weight = 0.0; }
+    return turned;
+}
+
+// What is seen of the surroundings through white glass. At each surface a ray goes on as most of its light does; of what
+// parts from it, the brightest is followed, too.
+fn radtex_followed(whence: vec3f, N: vec3f, V: vec3f) -> vec3f {
+    let glass = radtex_exit.field_glass;
+    let low = radtex_exit.field_low;
+    let last = radtex_exit.field_size.xyz - 1.0;
+    var light = vec3f(0.0, 0.0, 0.0);
+    let cosine = max(dot(V, N), 0.001);
+    let beyond = radtex_beyond(cosine, glass.x);
+    var way: RadtexWay;
+    way.ray = normalize((cosine / glass.x - beyond) * N - V / glass.x);
+    way.place = (whence - low.xyz) * low.w + 1.5 * way.ray;
+    way.weight = 1.0 - radtex_fresnel(cosine, beyond, glass.x);
+    way.width = glass.y;
+    way.side = 1.0;
+    way.reflections = 0.0;
+    for (var k = 0; k < 2; k++) {
+        var parted = way;
+        parted.weight = 0.0;
+        var outside = false;
+        for (var taken = 0; taken < 64; taken++) {
+            let room = min(way.place, last - way.place);
+            outside = min(room.x, min(room.y, room.z)) < 0.0;
+            if outside || way.weight <= 0.004 { break; }
+            let found = radtex_field(way.place);
+            let ahead = found.xyz * (way.side * inverseSqrt(max(dot(found.xyz, found.xyz), 1e-12)));
+            let free = -found.w * way.side;
+            let towards = dot(way.ray, ahead);
+            let met = free < 0.1 && towards > 0.05;
+            way.place += select(max(free, 0.5), free / max(towards, 0.2), met) * way.ray;
+            if met {
+                let index = select(glass.x, 1.0 / glass.x, way.side > 0.0);
+                let back = radtex_fresnel(towards, radtex_beyond(towards, index), index) >= 0.5;
+                let other = radtex_turned(way, ahead, towards, index, !back);
+                if other.weight > parted.weight { parted = other; }
+                way = radtex_turned(way, ahead, towards, index, back);
+            }
+        }
+        if way.weight > 0.004 && (outside || way.side < 0.0) {
+            let exit = low.xyz + way.place / low.w;
+            let spread = log2(max(way.width, 1e-12));
+            light += way.weight
+                * radtex_shown(exit, way.ray, radtex_met(exit, way.ray), spread, vec4f(0.0, 0.0, 0.0, 1e6));
+        }
+        way = parted;
+    }
+    return light;
+}
 
 // A way, at a place in texels' units of tiles: luminance * direction, luminance.
 fn radtex_way(at: vec2f) -> vec4f {
@@ -70,8 +181,9 @@ fn radtex_tap_weight(k: i32, f: vec2f, g: vec2f) -> f32 {
     return cell.x * cell.y;
 }
 
-// What is seen of the surroundings. Of the ways around, those are followed that agree with the strongest one.
-fn radtex_through(uv: vec2f, whence: vec3f, N: vec3f, V: vec3f, T: vec3f, B: vec3f) -> vec3f {
+// What is seen of the surroundings through white glass. Of the ways around, those are followed that agree with the strongest
+// one.
+fn radtex_by_cells(uv: vec2f, whence: vec3f, N: vec3f, V: vec3f, T: vec3f, B: vec3f) -> vec3f {
     let n = f32(RADTEX_EXIT_CELLS);
     var I = vec3f(dot(V, T), dot(V, B), max(dot(V, N), 0.0));
     I *= inverseSqrt(max(dot(I, I), 1e-18));
@@ -110,8 +222,18 @@ fn radtex_through(uv: vec2f, whence: vec3f, N: vec3f, V: vec3f, T: vec3f, B: vec
     let moved = path.xyz / luminance;
     let ray = away.x * T + away.y * B + away.z * N;
     let exit = whence + moved.x * T + moved.y * B + moved.z * N;
-    return way.w * radtex_colours(radtex_through_colour_map, radtex_exit.colour_range, uv)
-        * radtex_shown(exit, ray, radtex_met(exit, ray), log2(width), vec4f(0.0, 0.0, 0.0, 1e6));
+    return way.w * radtex_shown(exit, ray, radtex_met(exit, ray), log2(width), vec4f(0.0, 0.0, 0.0, 1e6));
+}
+
+// What is seen of the surroundings.
+fn radtex_through(uv: vec2f, whence: vec3f, N: vec3f, V: vec3f, T: vec3f, B: vec3f) -> vec3f {
+    var light: vec3f;
+    if RADTEX_FIELD {
+        light = radtex_followed(whence, N, V);
+    } else {
+        light = radtex_by_cells(uv, whence, N, V, T, B);
+    }
+    return light * radtex_colours(radtex_through_colour_map, radtex_exit.colour_range, uv);
 }
 
 // Radiance towards the viewer, in the unit direction V, from a fragment at `position`.

@@ -28,6 +28,7 @@ from radtex_addon.forms.layered.files.arrangement import (
 from radtex_addon.forms.layered.files.layered_files import atlas_of
 from radtex_addon.forms.layered.files.sidecar import LayeredSidecar
 from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas, alpha_at, sample_layered
+from radtex_addon.forms.layered.lookup.distance_field import DistanceField, FieldFacts
 from radtex_addon.forms.layered.lookup.environment import Around, Impostor, Lamp, Shell
 from radtex_addon.forms.layered.lookup.images import Colour, ImageLook, look_of_images
 from radtex_addon.forms.layered.lookup.lamp_shapes import LampShape, ShapeKind
@@ -38,6 +39,7 @@ from tests.layered.made_up import _buckets, _image, _waves, made_up_atlas, made_
 from tests.lookups import COUNT
 
 TEXELS, SIZE, EXITS, THROUGH = 16, 64, 8, 6
+BALL = 0.9  # radius of a ball of glass
 FACTS = Sidecar("Vase", "radiance", TEXELS, TEXELS, 14, "RadTex", 16, 0, "portal", "RadTex 0", "5.2")
 MEAN, MOST = 3e-3, 0.05  # as far off as a shader may be
 
@@ -172,7 +174,24 @@ def case_of(name: str) -> Case:
         textures[layer], stored[layer] = _stored(layer, image, sidecar, ranged)
         images[layer] = _decoded(layer, textures[layer], stored[layer], image.shape)
     at = made_up_fragments(atlas, COUNT, framed=True)
+    if atlas.through is not None and atlas.through.field is not None:  # whose surface they are on
+        at = replace(at, position=atlas.around.middle + np.float32(BALL) * at.normal)
     return Case(atlas_of(images, sidecar), sidecar, textures, stored, at)
+
+
+def glass_ball(atlas: LayeredAtlas) -> LayeredAtlas:
+    """With a ball of frosted glass, through which rays are followed."""
+    whole = everything(atlas)
+    assert whole.through is not None
+    step, size = 2 * BALL / 18, (24, 25, 26)
+    low = np.array([-11.5, -12.0, -12.5], dtype=np.float32) * np.float32(step)
+    axes = [start + step * np.arange(count) for start, count in zip(low, size, strict=True)]
+    place = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).transpose(2, 1, 0, 3)
+    away = np.linalg.norm(place, axis=-1, keepdims=True)
+    values = np.concatenate([place / away, (away - BALL) / step], axis=-1).astype(np.float32)
+    facts = FieldFacts(size, low, step, 1.45, (1e-3, 2e-2), 4)
+    field = DistanceField(np.ascontiguousarray(values), facts)
+    return replace(whole, through=replace(whole.through, field=field))
 
 
 def parted(atlas: LayeredAtlas) -> LayeredAtlas:
@@ -284,6 +303,7 @@ CASES: dict[str, Callable[[LayeredAtlas], LayeredAtlas]] = {
     "everything, in ranges": everything,
     "opaque, in ranges": lambda atlas: replace(everything(atlas), alpha=None),
     "parted ways": parted,
+    "glass ball": glass_ball,
     "made up": lambda atlas: atlas,
     "things alone": lambda atlas: replace(
         atlas, around=replace(atlas.around, layers=atlas.around.layers[1:])
@@ -357,7 +377,11 @@ _CHOICES: dict[str, tuple[str, ...]] = {
     "things": ("", "RADTEX_THINGS", "RADTEX_THINGS RADTEX_BOXES=3"),
     "lamps": ("RADTEX_LAMPS=0", "RADTEX_LAMPS=1", "RADTEX_LAMPS=8", "RADTEX_LAMPS=8 RADTEX_SHAPES"),
     "cells": ("RADTEX_REST_CELLS=8", "RADTEX_REST_CELLS=14"),
-    "through": ("", "RADTEX_THROUGH RADTEX_EXIT_CELLS=16 RADTEX_EXIT_TAPS=16 RADTEX_THROUGH_CELLS=8"),
+    "through": (
+        "",
+        "RADTEX_THROUGH RADTEX_EXIT_CELLS=16 RADTEX_EXIT_TAPS=16 RADTEX_THROUGH_CELLS=8",
+        "RADTEX_THROUGH RADTEX_FIELD RADTEX_THROUGH_CELLS=8",
+    ),
     "images": ("", "RADTEX_IMAGES"),
     "steps": ("RADTEX_STEPS=0", "RADTEX_STEPS=1", "RADTEX_STEPS=2"),
     "taps": (

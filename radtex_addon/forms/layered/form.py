@@ -32,7 +32,7 @@ from ..form import Form, Opened, PreviewOf
 from ..hlsl_lookup import HlslLookup
 from ..outcome import Outcome
 from .bake import bake_layered
-from .cells import CELLS, EXIT_CELLS, PICTURE_SIZE, THROUGH_CELLS
+from .cells import CELLS, EXIT_CELLS, FIELD_SAMPLES, PICTURE_SIZE, THROUGH_CELLS
 from .cells import DISTANCES as DISTANCE_CELLS
 from .files.arrangement import (
     ALPHA,
@@ -41,6 +41,7 @@ from .files.arrangement import (
     DISTANCES,
     EXIT_DIRECTION,
     EXIT_PLACE,
+    FIELD,
     IRRADIANCE,
     NORMAL,
     OF_IMAGES,
@@ -58,6 +59,7 @@ from .files.layered_files import read_layered, read_layered_sidecar
 from .hlsl import layered_lookup
 from .lookup.atlas import alpha_at, sample_layered
 from .lookup.blurred_levels import level_count
+from .lookup.distance_field import image_size
 from .preview.material import (
     check_layered_previewable,
     preview_layered_material,
@@ -192,6 +194,7 @@ def _most_shapes(texels: int) -> Shapes:
     tiles = {OWN: CELLS[0][0], REST: CELLS[0][1], THROUGH_REST: THROUGH_CELLS}
     tiles |= dict.fromkeys((EXIT_DIRECTION, EXIT_PLACE), EXIT_CELLS)
     sizes |= {name: (cells * coarse[0], cells * coarse[1]) for name, cells in tiles.items()}
+    sizes[FIELD] = image_size((FIELD_SAMPLES,) * 3)
     return {name: (*sizes[name], channels) for name, channels in CHANNELS.items()}
 
 

@@ -13,6 +13,7 @@ from ...bake.plan import CapturePlan
 from ...core import large_arrays
 from ...core.arrays import Bools, Floats, Ints
 from .fit.light_map import LightMap
+from .lookup.distance_field import DistanceField
 from .lookup.environment import Around
 
 
@@ -24,7 +25,7 @@ class ExitSamples:
     `direction` (S, K, n*n, 3), unit: in which it leaves; `place` (S, K, n*n, 3): of all points on the line
     that it leaves along the nearest to the texel, from there. Both in the texel's frame: what is round or
     straight has nearly the same in all texels. `colour` (K, 3): of the paths that get through a texel, with
-    a luminance of 1.
+    a luminance of 1. `field`: the object's own, if rays can be followed through it.
     """
 
     plan: CapturePlan
@@ -32,6 +33,7 @@ class ExitSamples:
     direction: Floats
     place: Floats
     colour: Floats
+    field: DistanceField | None = None
 
 
 @dataclass(frozen=True, eq=False)

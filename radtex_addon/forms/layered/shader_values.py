@@ -25,6 +25,7 @@ from .files.arrangement import (
     DISTANCES,
     EXIT_DIRECTION,
     EXIT_PLACE,
+    FIELD,
     IRRADIANCE,
     NORMAL,
     OF_IMAGES,
@@ -40,7 +41,8 @@ from .files.arrangement import (
     padded_size,
 )
 from .files.sidecar import LayeredSidecar
-from .lookup.environment import MOST_BOXES, MOST_LAMPS, MOST_PLANES, Plane, Shell
+from .lookup.distance_field import columns_of
+from .lookup.environment import MOST_BOXES, MOST_LAMPS, MOST_PLANES, Lamp, Plane, Shell
 from .lookup.images import ROWS
 from .lookup.lamp_shapes import LampShape, ShapeKind
 from .lookup.lobes import STEPS, Material
@@ -120,6 +122,10 @@ THROUGH_BUFFER = {
     "radtex_through_colour_range": 1,
     "radtex_through_rest_range": 1,
     "radtex_through_rest_tile": 1,
+    "radtex_field_range": 1,
+    "radtex_field_low": 1,
+    "radtex_field_size": 1,
+    "radtex_field_glass": 1,
 }
 
 DEFAULT = LookupCost()
@@ -171,7 +177,14 @@ def layers_read(sidecar: LayeredSidecar, cost: LookupCost = DEFAULT) -> tuple[st
         without += _SURROUNDINGS
     if not cost.steps:
         without += (DISTANCES,)
+    without += of_nodes_alone(sidecar)
     return tuple(layer for layer in sidecar.bake.layers if layer not in without)
+
+
+def of_nodes_alone(sidecar: LayeredSidecar) -> tuple[str, ...]:
+    """The layers that only shader nodes read, which cannot follow rays through a field."""
+    followed = sidecar.through is not None and sidecar.through.field is not None
+    return (EXIT_DIRECTION, EXIT_PLACE) if followed else ()
 
 
 def definitions(sidecar: LayeredSidecar, cost: LookupCost = DEFAULT) -> dict[str, int]:
@@ -202,8 +215,11 @@ def definitions(sidecar: LayeredSidecar, cost: LookupCost = DEFAULT) -> dict[str
     if sidecar.glosses:
         found["RADTEX_GLOSSES"] = 1
     if sidecar.through is not None:
-        found |= {"RADTEX_THROUGH": 1, "RADTEX_EXIT_TAPS": cost.exit_taps}
-        found |= {"RADTEX_EXIT_CELLS": sidecar.through.exits, "RADTEX_THROUGH_CELLS": sidecar.through.rest}
+        found |= {"RADTEX_THROUGH": 1, "RADTEX_THROUGH_CELLS": sidecar.through.rest}
+        if FIELD in layers:
+            found["RADTEX_FIELD"] = 1
+        else:
+            found |= {"RADTEX_EXIT_TAPS": cost.exit_taps, "RADTEX_EXIT_CELLS": sidecar.through.exits}
     return found
 
 
@@ -222,6 +238,8 @@ def bake_values(sidecar: LayeredSidecar, stored: Mapping[str, Stored], cost: Loo
             raise ValueError(f"{layer}: a picture must fill its texture")
         part = [share / cells for share in found.part]
         values[f"radtex_{layer}_range"] = _row([*part, found.scale, found.offset])
+        if layer == FIELD:
+            values |= _field_values(sidecar)
         if cells > 1 and layer != EXIT_PLACE:
             values["radtex_exit_tile" if layer == EXIT_DIRECTION else f"radtex_{layer}_tile"] = _tile(sidecar)
     if WORLD in layers:
@@ -229,11 +247,7 @@ def bake_values(sidecar: LayeredSidecar, stored: Mapping[str, Stored], cost: Loo
         for layer, picture in sidecar.pictures.items():
             levels = [picture.size, picture.levels - 1, np.log2(picture.sharpest), 0]
             values[f"radtex_{layer}_levels"] = _row(levels)
-        if sidecar.lamps:
-            lamps = sidecar.lamps
-            values["radtex_lamp_place"] = [_row([*lamp.place, lamp.variance]) for lamp in lamps]
-            values["radtex_lamp_light"] = [_row([*lamp.irradiance, lamp.behind]) for lamp in lamps]
-            values |= _shape_values([lamp.shape for lamp in lamps])
+        values |= _lamp_values(sidecar.lamps)
     if THINGS in layers:
         mean = stored[DISTANCES].mean if DISTANCES in stored else 0.0
         if mean <= 0:
@@ -242,6 +256,16 @@ def bake_values(sidecar: LayeredSidecar, stored: Mapping[str, Stored], cost: Loo
     if PLANE in layers and sidecar.plane is not None:
         values |= _plane_values(sidecar.plane)
     return values
+
+
+def _lamp_values(lamps: Sequence[Lamp]) -> Values:
+    if not lamps:
+        return {}
+    return {
+        "radtex_lamp_place": [_row([*lamp.place, lamp.variance]) for lamp in lamps],
+        "radtex_lamp_light": [_row([*lamp.irradiance, lamp.behind]) for lamp in lamps],
+        **_shape_values([lamp.shape for lamp in lamps]),
+    }
 
 
 def _shape_values(shapes: Sequence[LampShape | None]) -> Values:
@@ -265,6 +289,17 @@ def _things_values(sidecar: LayeredSidecar, mean: float) -> Values:
         low, high = np.pad(sidecar.boxes, ((0, 0), (0, 0), (0, 1))).swapaxes(0, 1).astype(np.float64)
         values |= {"radtex_box_low": _rows(low), "radtex_box_high": _rows(high)}
     return values
+
+
+def _field_values(sidecar: LayeredSidecar) -> Values:
+    field = None if sidecar.through is None else sidecar.through.field
+    if field is None:
+        return {}
+    return {
+        "radtex_field_low": _row([*field.low, 1 / field.step]),
+        "radtex_field_size": _row([*field.size, columns_of(field.size)]),
+        "radtex_field_glass": _row([field.ior, *field.widths, field.reflections]),
+    }
 
 
 def _plane_values(plane: Plane | Shell) -> Values:

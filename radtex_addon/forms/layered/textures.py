@@ -36,7 +36,7 @@ from .files.arrangement import COLOUR, IRRADIANCE, OWN, REST, TINT, WORLD, unpac
 from .files.layered_files import read_layer, read_layered, read_layered_sidecar
 from .files.sidecar import LayeredSidecar
 from .lookup.atlas import LayeredAtlas, sample_layered
-from .shader_values import CLEAR_ALPHA
+from .shader_values import CLEAR_ALPHA, of_nodes_alone
 
 _DIRECTIONS = 64  # from which each texel is looked at
 _EACH = 8  # directions between two reports of progress
@@ -97,12 +97,13 @@ def mean_of_layered(
 def write_layered_textures(
     sidecar: SidecarFile, spec: ExportSpec, folder: Path, without: Collection[str] = ()
 ) -> dict[str, TextureEntry]:
-    """As `Form.write_textures`, `without` some layers.
+    """As `Form.write_textures`, `without` some layers, and those that no shader reads.
 
     What is no light becomes RGBA16F where `spec` asks for no blocks.
     """
     check_layered_textures(sidecar, spec)
     facts = read_layered_sidecar(sidecar)
+    without = {*without, *of_nodes_alone(facts)}
     layers = [layer for layer in facts.shapes if layer not in without]
     return {layer: _write_layer(sidecar, facts, layer, spec, folder) for layer in layers}
 

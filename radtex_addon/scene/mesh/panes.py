@@ -50,7 +50,7 @@ def find_panes(
 
     The `meshes` are those of the scene's `originals`. Raises BakeError where Blender does not render.
     """
-    glass = [[one for one in mesh.materials if one is not None and _glass_in(one)] for mesh in meshes]
+    glass = [[one for one in mesh.materials if one is not None and glass_in(one)] for mesh in meshes]
     if not any(glass):
         return [frozenset()] * len(meshes)
     things = read_things(scratch, originals)
@@ -64,7 +64,7 @@ def as_pane(material: bpy.types.Material) -> bpy.types.Material:
     """A copy of a pane's material that is clear, and reflects as a pane's two faces do: 2 F / (1 + F)."""
     copy = cast(bpy.types.Material, material.copy())
     tree: Any = copy.node_tree
-    glass, build = _glass_in(copy), NodeBuilder(tree)
+    glass, build = glass_in(copy), NodeBuilder(tree)
     principled = glass.type == "BSDF_PRINCIPLED"
     colour = build.vector("SCALE", operand_of(glass.inputs["Base Color" if principled else "Color"]), 1.0)
     once = build.node("ShaderNodeFresnel", operand_of(glass.inputs["IOR"])).outputs[0]
@@ -79,8 +79,11 @@ def as_pane(material: bpy.types.Material) -> bpy.types.Material:
     return copy
 
 
-def _glass_in(material: bpy.types.Material) -> Any:
-    """The node of smooth glass that all camera rays meet in a material; None if it is not that alone."""
+def glass_in(material: bpy.types.Material, roughest: float = _SMOOTH) -> Any:
+    """The node of glass that all camera rays meet in a material; None if it is not that alone.
+
+    Of glass that is no rougher than `roughest`, of one index of refraction, without a normal map.
+    """
     tree: Any = material.node_tree
     output = None if tree is None else tree.get_output_node("CYCLES")
     if output is None or fills_volume(material):
@@ -91,7 +94,7 @@ def _glass_in(material: bpy.types.Material) -> Any:
         if node is None or groups:
             return None
         if node.type != "MIX_SHADER":
-            return node if _is_smooth_glass(node) else None
+            return node if _is_glass(node, roughest) else None
         share = value_at(node.inputs[0], ())
         if share not in (0.0, 1.0):
             return None
@@ -99,8 +102,8 @@ def _glass_in(material: bpy.types.Material) -> Any:
     return None
 
 
-def _is_smooth_glass(node: Any) -> bool:
-    least = {"Roughness": (0.0, _SMOOTH), "IOR": (1.0, _DENSEST)}
+def _is_glass(node: Any, roughest: float) -> bool:
+    least = {"Roughness": (0.0, roughest), "IOR": (1.0, _DENSEST)}
     if node.type == "BSDF_PRINCIPLED":
         least |= {"Transmission Weight": (1.0, 1.0), "Alpha": (1.0, 1.0)}
         least |= dict.fromkeys(("Metallic", "Coat Weight", "Sheen Weight", "Emission Strength"), (0.0, 0.0))

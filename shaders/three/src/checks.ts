@@ -19,11 +19,11 @@ const FORMATS = [
 const ARRANGEMENTS = ["matrix", "slices", "image", "words", "tree"];
 const LAYERS = [
   ...["colour", "irradiance", "tint", "normal", "width", "alpha", "own", "rest", "world", "plane", "things", "distances"],
-  ...["exit_direction", "exit_place", "through_colour", "through_rest"],
+  ...["exit_direction", "exit_place", "field", "through_colour", "through_rest"],
 ];
 // What may be defined in a shader of the layered layout, and from which whole number to which.
 const DEFINES = new Map<string, Range>([
-  ...["TINT", "NORMAL", "WIDTH", "ALPHA", "PLANE", "THINGS", "MIRRORS", "GLOSSES", "SHAPES", "THROUGH", "SRGB"].map(
+  ...["TINT", "NORMAL", "WIDTH", "ALPHA", "PLANE", "THINGS", "MIRRORS", "GLOSSES", "SHAPES", "THROUGH", "FIELD", "SRGB"].map(
     (name): [string, Range] => [`RADTEX_${name}`, [1, 1]],
   ),
   ...["OWN_CELLS", "REST_CELLS", "EXIT_CELLS", "THROUGH_CELLS"].map((name): [string, Range] => [`RADTEX_${name}`, [1, 64]]),
@@ -43,6 +43,7 @@ const VECTORS = new Set([
     (name) => `radtex_${name}`,
   ),
   ...["things_levels", "distances_size", "plane_place", "plane_eye", "things_eye"].map((name) => `radtex_${name}`),
+  ...["field_low", "field_size", "field_glass"].map((name) => `radtex_${name}`),
 ]);
 const COUNTED = new Map([
   ["radtex_lamp_place", "RADTEX_LAMPS"],

@@ -40,6 +40,7 @@ from ..fit.light_map import PLACES, LightMap
 from ..fit.through import lets_through
 from ..lookup.environment import Around, Shell
 from ..samples import ExitSamples, LayeredSamples, OwnRays
+from .clear_shape import find_distance_field
 from .enclosed import enclosed
 from .exits import capture_exits
 from .gloss_maps import capture_gloss, sharpest_width, within_texels
@@ -53,13 +54,14 @@ from .panoramas import look_around, share_for
 from .parts import Part
 from .room import Room, find_room
 from .source_rays import capture_source_rays
-from .stored_surroundings import around_of, arrays_of
+from .stored_surroundings import around_of, arrays_of, arrays_of_field, field_of
 from .surface_alone import Clear, surface_alone
 
 log = logging.getLogger(__name__)
 
 _OUTSIDE = 1.05  # times the object's radius: a sphere around it
 _COVERED = "covered"  # a piece's name
+_TRACED = ("weight", "direction", "place", "colour")  # of ExitSamples
 
 
 @dataclass(frozen=True, eq=False)
@@ -541,10 +543,15 @@ class _Captures:
             found = capture_exits(
                 self.scratch, bodies, *ready.reach, plan, times, self.spec.seed, self.folder
             )
-            parts = ("weight", "direction", "place", "colour")
-            return {name: getattr(found, name) for name in parts}
+            kept = {name: getattr(found, name) for name in _TRACED}
+            if self.prepared.source is None:
+                field = find_distance_field(self.scratch, bodies, ready.reach[0])
+                kept |= {} if field is None else arrays_of_field(field)
+            return kept
 
-        return ExitSamples(plan, **self.store.get_or_make(Part.EXITS, capture))
+        kept = self.store.get_or_make(Part.EXITS, capture)
+        traced = {name: kept[name] for name in _TRACED}
+        return ExitSamples(plan, **traced, field=field_of(kept))
 
 
 def _named(part: Part, through: bool) -> str:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Surroundings as named arrays, in which a bake's store keeps what is finished."""
+"""Surroundings and distance fields as named arrays, in which a bake's store keeps what is finished."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 
 from ....bake.piece_store import Arrays
 from ....core.arrays import Floats
+from ..lookup.distance_field import DistanceField, FieldFacts
 from ..lookup.environment import Around, Impostor, Lamp, Pictures, Plane, Shell, SurroundingLayer
 from ..lookup.lamp_shapes import LampShape, ShapeKind
 
@@ -88,3 +89,23 @@ def _pictures(name: str, arrays: Arrays) -> Pictures:
 
 def _single(values: Floats) -> Floats:
     return np.asarray(values, dtype=np.float32)
+
+
+def arrays_of_field(field: DistanceField) -> Arrays:
+    """All of a distance field, by names that `field_of` reads."""
+    facts = field.facts
+    numbers = [*facts.low, facts.step, facts.ior, *facts.widths, facts.reflections]
+    return {"field": field.values, "field_facts": np.array(numbers, dtype=np.float64)}
+
+
+def field_of(arrays: Arrays) -> DistanceField | None:
+    """The inverse of `arrays_of_field`; None if there is no field among the arrays."""
+    if "field" not in arrays:
+        return None
+    values, numbers = arrays["field"], arrays["field_facts"]
+    depth, height, width = values.shape[:3]
+    step, ior, refracted, reflected, reflections = numbers[3:].tolist()
+    facts = FieldFacts(
+        (width, height, depth), _single(numbers[:3]), step, ior, (refracted, reflected), int(reflections)
+    )
+    return DistanceField(values, facts)

@@ -18,6 +18,7 @@ import numpy as np
 from ....core import large_arrays
 from ....core.arrays import Floats
 from ..lookup.atlas import LayeredAtlas
+from ..lookup.distance_field import DistanceField, FieldFacts, columns_of
 from ..lookup.edge_grid import EdgeImpostor, EdgePictures, on_edges
 from ..lookup.environment import Impostor, Pictures, SurroundingLayer
 from ..lookup.ways import Through
@@ -25,7 +26,7 @@ from ..lookup.ways import Through
 COLOUR, IRRADIANCE, TINT, NORMAL, WIDTH, ALPHA = "colour", "irradiance", "tint", "normal", "width", "alpha"
 OWN, REST = "own", "rest"
 WORLD, PLANE, THINGS, DISTANCES = "world", "plane", "things", "distances"
-EXIT_DIRECTION, EXIT_PLACE = "exit_direction", "exit_place"
+EXIT_DIRECTION, EXIT_PLACE, FIELD = "exit_direction", "exit_place", "field"
 THROUGH_COLOUR, THROUGH_REST = "through_colour", "through_rest"
 
 # The channels of all layers, in the files' order.
@@ -44,6 +45,7 @@ CHANNELS = {
     DISTANCES: 1,
     EXIT_DIRECTION: 4,
     EXIT_PLACE: 4,
+    FIELD: 4,
     THROUGH_COLOUR: 3,
     THROUGH_REST: 3,
 }
@@ -78,6 +80,8 @@ def arranged(atlas: LayeredAtlas) -> dict[str, Floats]:
     if atlas.through is not None:
         ways = tiled(atlas.through.ways)
         images |= {EXIT_DIRECTION: ways[..., :4], EXIT_PLACE: ways[..., 4:]}
+        if atlas.through.field is not None:
+            images[FIELD] = layers_beside(atlas.through.field)
         images |= {THROUGH_COLOUR: atlas.through.colour, THROUGH_REST: tiled(atlas.through.rest)}
     return {
         name: np.ascontiguousarray(images[name], dtype=np.float32)
@@ -86,11 +90,42 @@ def arranged(atlas: LayeredAtlas) -> dict[str, Floats]:
     }
 
 
-def through_of(images: Mapping[str, Floats], cells: int, rest_cells: int, size: tuple[int, int]) -> Through:
-    """What comes through, of the images of `arranged`; buckets of width x height texels."""
+def through_of(
+    images: Mapping[str, Floats],
+    cells: int,
+    rest_cells: int,
+    size: tuple[int, int],
+    field: FieldFacts | None = None,
+) -> Through:
+    """What comes through, of the images of `arranged`; buckets of width x height texels.
+
+    `field`: the facts of the field through which ways are followed, if any.
+    """
     ways = np.concatenate([images[EXIT_DIRECTION], images[EXIT_PLACE]], axis=2)
     rest = untiled(images[THROUGH_REST], rest_cells, size)
-    return Through(untiled(ways, cells, size), images[THROUGH_COLOUR], rest)
+    followed = None if field is None else field_beside(images[FIELD], field)
+    return Through(untiled(ways, cells, size), images[THROUGH_COLOUR], rest, followed)
+
+
+def layers_beside(field: DistanceField) -> Floats:
+    """A field's values as an image (H, W, 4): its layers of equal z, row by row."""
+    width, height, depth = field.facts.size
+    columns = columns_of(field.facts.size)
+    rows = -(-depth // columns)
+    whole = np.zeros((rows * columns, height, width, 4), dtype=np.float32)
+    whole[:depth] = field.values
+    return whole.reshape(rows, columns, height, width, 4).swapaxes(1, 2).reshape(rows * height, -1, 4)
+
+
+def field_beside(image: Floats, facts: FieldFacts) -> DistanceField:
+    """The inverse of `layers_beside`."""
+    width, height, depth = facts.size
+    layers = (
+        image.reshape(-1, height, columns_of(facts.size), width, 4)
+        .swapaxes(1, 2)
+        .reshape(-1, height, width, 4)
+    )
+    return DistanceField(np.ascontiguousarray(layers[:depth]), facts)
 
 
 def near_layers(atlas: LayeredAtlas) -> tuple[SurroundingLayer | None, SurroundingLayer | None]:

@@ -23,6 +23,7 @@ from .arrangement import (
     DISTANCES,
     EXIT_DIRECTION,
     EXIT_PLACE,
+    FIELD,
     IRRADIANCE,
     NORMAL,
     OWN,
@@ -39,7 +40,7 @@ from .arrangement import (
 )
 from .sidecar import LayeredSidecar
 
-_NO_LIGHT = frozenset({NORMAL, WIDTH, ALPHA, DISTANCES, EXIT_DIRECTION, EXIT_PLACE, OWN})
+_NO_LIGHT = frozenset({NORMAL, WIDTH, ALPHA, DISTANCES, EXIT_DIRECTION, EXIT_PLACE, FIELD, OWN})
 
 
 def write_layered(
@@ -106,7 +107,9 @@ def atlas_of(images: dict[str, Floats], facts: LayeredSidecar) -> LayeredAtlas:
         materials=facts.materials,
         own=untiled(images[OWN], facts.own_cells, facts.coarse),
         rest=untiled(images[REST], facts.rest_cells, facts.coarse),
-        through=None if through is None else through_of(images, through.exits, through.rest, facts.coarse),
+        through=None
+        if through is None
+        else through_of(images, through.exits, through.rest, facts.coarse, through.field),
         alpha=images.get(ALPHA),
         looks=facts.looks,
     )

@@ -15,6 +15,7 @@ from ....core.errors import BakeError, FormatError, ShapeError
 from ....formats.json_reader import Facts, json_text
 from ....formats.sidecar import Sidecar
 from ..lookup.atlas import LayeredAtlas
+from ..lookup.distance_field import FieldFacts, image_size
 from ..lookup.environment import (
     MOST_BOXES,
     MOST_PLANES,
@@ -28,6 +29,7 @@ from ..lookup.environment import (
 from ..lookup.images import Colour, ImageLook
 from ..lookup.lamp_shapes import LampShape, ShapeKind
 from ..lookup.lobes import LOBES, STEPS, Gloss, Material
+from ..lookup.ways import Through
 from .arrangement import (
     ALPHA,
     CHANNELS,
@@ -35,6 +37,7 @@ from .arrangement import (
     DISTANCES,
     EXIT_DIRECTION,
     EXIT_PLACE,
+    FIELD,
     IRRADIANCE,
     NORMAL,
     OWN,
@@ -55,6 +58,8 @@ from .arrangement import (
 LAYOUT = "layered"
 _LARGEST, _MOST_LEVELS = 4096, 12  # of pictures
 _MOST_LAMPS = 1024
+_MOST_SAMPLES = 512  # of a distance field along a side
+_MOST_REFLECTIONS = 1024
 MOST_MATERIALS = 1024  # of one atlas: a bake of more is refused before its first ray
 _COLOURS_OF_LOOK = ("diffuse", "dielectric", "metal")
 _STRONGEST = 1000.0  # normal map, or factor of an image
@@ -72,10 +77,20 @@ class OctahedralPicture:
 
 @dataclass(frozen=True)
 class ThroughCells:
-    """The cells along the sides of buckets of light that comes through: of its exits, and of the rest."""
+    """The cells along the sides of buckets of light that comes through: of its exits, and of the rest.
+
+    `field`: of the field through which rays are followed, if there is one.
+    """
 
     exits: int
     rest: int
+    field: FieldFacts | None = None
+
+    @classmethod
+    def of(cls, through: Through) -> ThroughCells:
+        """Those of light that comes through."""
+        field = None if through.field is None else through.field.facts
+        return cls(through.ways.shape[2], through.rest.shape[2], field)
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,7 +164,7 @@ class LayeredSidecar:
             lamps=atlas.around.lamps,
             falloff=_resampled(atlas.falloff),
             materials=atlas.materials,
-            through=None if through is None else ThroughCells(through.ways.shape[2], through.rest.shape[2]),
+            through=None if through is None else ThroughCells.of(through),
             looks=atlas.looks,
             mirrors_itself=bool((atlas.own != (0, 0, 0, 1)).any()),
             **({} if things is None else {"things_eye": things.shape.eye, "boxes": _boxes(things)}),
@@ -174,6 +189,8 @@ class LayeredSidecar:
         sizes[DISTANCES] = (self.distances, self.distances)
         if self.through is not None:
             sizes |= dict.fromkeys((EXIT_DIRECTION, EXIT_PLACE), self._tiles(self.through.exits))
+            if self.through.field is not None:
+                sizes[FIELD] = image_size(self.through.field.size)
             sizes |= {THROUGH_COLOUR: self.coarse, THROUGH_REST: self._tiles(self.through.rest)}
         return {name: (*sizes[name], CHANNELS[name]) for name in bake.layers}
 
@@ -267,6 +284,8 @@ class LayeredSidecar:
         ]
         if self.through is not None:
             layered["through"] = {"exit_cells": self.through.exits, "rest_cells": self.through.rest}
+            if self.through.field is not None:
+                layered["through"]["field"] = _field_facts(self.through.field)
         return json_text(self.bake.facts(LAYOUT) | {"layered": layered})
 
     @classmethod
@@ -301,11 +320,7 @@ class LayeredSidecar:
             lamps=tuple(_lamp(lamp) for lamp in _objects(layered, "lamps", _MOST_LAMPS)),
             falloff=_floats([_table(material, "falloff") for material in materials]),
             materials=tuple(map(_material, materials)),
-            through=None
-            if through is None
-            else ThroughCells(
-                through.whole_number("exit_cells", 2, 256), through.whole_number("rest_cells", 2, 256)
-            ),
+            through=None if through is None else _through_in(through),
         )
         if "mirrors_itself" in layered.values:
             sidecar = replace(sidecar, mirrors_itself=layered.truth("mirrors_itself"))
@@ -330,6 +345,8 @@ class LayeredSidecar:
             there.add(DISTANCES)
         if self.through is not None:
             there |= {EXIT_DIRECTION, EXIT_PLACE, THROUGH_COLOUR, THROUGH_REST}
+            if self.through.field is not None:
+                there.add(FIELD)
         return tuple(name for name in CHANNELS if name in there)
 
     def _tiles(self, cells: int) -> tuple[int, int]:
@@ -350,6 +367,9 @@ class LayeredSidecar:
             found += [self.plane.normals, self.plane.heights, self.plane.eye]
         elif self.plane is not None:
             found += [self.plane.normal, np.array([self.plane.height]), self.plane.eye]
+        if self.through is not None and self.through.field is not None:
+            field = self.through.field
+            found += [field.low, np.array([field.step, field.ior, *field.widths])]
         return [*found, self.things_eye, self.boxes]
 
 
@@ -366,6 +386,37 @@ def _picture_in(facts: Facts) -> OctahedralPicture:
     if found.size % (1 << (found.levels - 1)) or found.size >> (found.levels - 1) < 2:
         raise FormatError(f"{facts.source} has sizes that no picture has: {found.levels} of {found.size}")
     return found
+
+
+def _through_in(facts: Facts) -> ThroughCells:
+    field = _field_in(facts.inner("field")) if "field" in facts.values else None
+    return ThroughCells(
+        facts.whole_number("exit_cells", 2, 256), facts.whole_number("rest_cells", 2, 256), field
+    )
+
+
+def _field_facts(field: FieldFacts) -> dict[str, Any]:
+    return {
+        "size": list(field.size),
+        "low": _row(field.low),
+        "step": _short(field.step),
+        "ior": _short(field.ior),
+        "widths": [_short(width) for width in field.widths],
+        "reflections": field.reflections,
+    }
+
+
+def _field_in(facts: Facts) -> FieldFacts:
+    width, height, depth = (round(number) for number in facts.numbers("size", 3))
+    if not 2 <= min(width, height, depth) <= max(width, height, depth) <= _MOST_SAMPLES:
+        raise FormatError(f'{facts.source}: "size" is not of 2 to {_MOST_SAMPLES} samples')
+    refracted, reflected = facts.numbers("widths", 2)
+    ior = facts.positive("ior")
+    if min(refracted, reflected) < 0 or ior <= 1:
+        raise FormatError(f'{facts.source}: "widths" below 0, or "ior" not above 1')
+    reflections = facts.whole_number("reflections", 0, _MOST_REFLECTIONS)
+    size, low, step = (width, height, depth), _vector(facts, "low"), facts.positive("step")
+    return FieldFacts(size, low, step, ior, (refracted, reflected), reflections)
 
 
 def _lamp(facts: Facts) -> Lamp:

@@ -34,7 +34,7 @@ from .light_map import LightMap
 from .lobes import Paths
 from .own_light import Surface
 from .texel_maps import mean_colours, shading_normals, tints
-from .through import fit_through_rest, fit_ways
+from .through import fit_through, fit_through_rest
 from .turned import mirrored_about, octahedral
 from .view_dependence import view_dependence
 from .widths import Lobes, fit_lobes
@@ -174,9 +174,7 @@ def _through(
     if known is not None:
         through, share = known.atlas.through, known.share
     elif exits is not None:
-        ways = BucketGrid.of(exits.plan, 1).placed(fit_ways(exits, Neighbours(exits.plan)))
-        none = np.zeros((1, 1, 1, 1, 3), dtype=np.float32)
-        through = Through(ways, exits.plan.placed(exits.colour, gutter=True), rest=none)
+        through = fit_through(exits, capture.light, around, used, grid)
     else:
         through = None
     if through is None:

@@ -8,6 +8,7 @@ splits light at each surface, the share that refracts every time. Its ray is kep
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import cast
 
 import numpy as np
@@ -17,13 +18,16 @@ from ....bake.light_samples import Axis, EndSamples, LightSamples, LobeSamples, 
 from ....bake.pooling import Neighbours
 from ....core import large_arrays
 from ....core.arrays import Bools, Floats
+from ....core.colour_spaces import LUMINANCE
+from ....core.hemisphere import cell_centres, square_to_direction
 from ..cells import THROUGH_CELLS
+from ..lookup.distance_field import DistanceField, follow
 from ..lookup.environment import Around
 from ..lookup.ways import CHANNELS, Through, look_through
 from ..samples import ExitSamples
-from .bucket_grid import BucketGrid
-from .residual import fit_rest, mean_brightness
-from .rows import Places, halved
+from .bucket_grid import Block, BucketGrid
+from .residual import BRIGHTEST, brightness_weight, fit_rest, mean_brightness
+from .rows import Places, halved, random_half
 from .texel_maps import texel_middles
 
 _FAINT = 1e-3  # of all light: what comes through and is less is left out
@@ -34,6 +38,8 @@ _AGREEING = 2.0  # paths that have to agree
 _ROUNDS = 2
 _BINOMIAL = np.array([0.25, 0.5, 0.25], dtype=np.float32)  # what neighbouring cells count for
 _LEAST = 1e-6
+_DARKEST = 0.01  # share of the light that glass lets through
+_SEED = 5
 
 
 def lets_through(alone: EndSamples, light: LightSamples) -> bool:
@@ -129,6 +135,77 @@ def _chief(exits: ExitSamples, around: Floats) -> tuple[Floats, Floats]:
     return found, votes
 
 
+def fit_through(
+    exits: ExitSamples, light: LightSamples, around: Around, used: Bools, grid: BucketGrid
+) -> Through:
+    """The ways by cells, or through the object's field if light samples say that these show more.
+
+    Both are judged by what is left when a rest was fitted to half of the samples, in the others.
+    """
+    none = np.zeros((1, 1, 1, 1, 3), dtype=np.float32)
+    plan, grid_of_ways = exits.plan, BucketGrid.of(exits.plan, 1)
+    ways = fit_ways(exits, Neighbours(plan))
+    by_cells = Through(grid_of_ways.placed(ways), plan.placed(exits.colour, gutter=True), rest=none)
+    if exits.field is None:
+        return by_cells
+    dimmed = _dimmed(exits, exits.field, around)
+    colour = plan.placed(exits.colour * dimmed[:, None], gutter=True)
+    by_field = Through(grid_of_ways.placed(ways / dimmed[:, None]), colour, none, exits.field)
+    errors = _errors([by_cells, by_field], light, around, used, grid.part)
+    return by_field if errors[1] < errors[0] else by_cells
+
+
+def _dimmed(exits: ExitSamples, field: DistanceField, around: Around) -> Floats:
+    """By how much ways through the field are too bright beside the traced paths, in each texel (K,)."""
+    plan = exits.plan
+    count, cells = exits.weight.shape[1:]
+    local = square_to_direction(cell_centres(round(cells**0.5)).reshape(-1, 2)).astype(np.float32)
+    frame = np.stack(
+        [axis.reshape(-1, 3)[:count] for axis in (plan.tangent, plan.bitangent, plan.normal)], axis=1
+    ).astype(np.float32)
+    offset = (plan.points - around.middle).astype(np.float32)
+    white, paths = np.empty(count, dtype=np.float32), exits.weight.mean(axis=0).sum(axis=1)
+
+    def sum_up(some: slice) -> None:
+        viewer = np.einsum("sa,kac->ksc", local, frame[some]).reshape(-1, 3)
+        each = np.arange(some.start, some.stop).repeat(cells)
+        found = follow(field, offset[each], frame[each, 2], viewer)
+        white[some] = np.sum([way.weight for way in found], axis=0).reshape(-1, cells).sum(axis=1)
+
+    in_blocks(sum_up, count, cells, 1 << 16)
+    pooled = Neighbours(plan).pool(np.stack([paths, white])[..., None])[..., 0]
+    share = pooled[0] / np.maximum(pooled[1], _LEAST)
+    return cast(Floats, np.clip(share, _DARKEST, 1).astype(np.float32))
+
+
+def _errors(
+    choices: Sequence[Through], light: LightSamples, around: Around, used: Bools, grid: BucketGrid
+) -> list[float]:
+    """The sums of weighted squares of errors in a grid's samples that are used, by choices.
+
+    In half of the samples; the rest of each is fitted to the others. Weights are by the mean of all choices.
+    """
+    half = random_half(used.shape, _SEED)
+    level = mean_brightness(light.through, used)
+    most = np.float32(BRIGHTEST * level)
+    seen = [_shown(each, light, around, grid) for each in choices]
+    judge = np.mean([shown for _, shown in seen], axis=0, dtype=np.float32)
+
+    def error(place: Places, shown: Floats) -> float:
+        rest = fit_rest(place, light.through, used & half, shown, grid, THROUGH_CELLS, level)
+
+        def squares(block: Block) -> float:
+            some = block.texels
+            told = np.minimum(shown[:, some] + grid.gather(rest, place[some], some), most)
+            off = np.minimum(planes(light.through[some]), most) - told
+            weight = brightness_weight(judge[:, some], level) * (used[some] & ~half[some])
+            return float((weight * np.tensordot(LUMINANCE, off * off, axes=1)).sum(dtype=np.float64))
+
+        return sum(grid.in_blocks(squares, used.shape[1]))
+
+    return [error(*one) for one in seen]
+
+
 def fit_through_rest(
     through: Through,
     light: LightSamples,
@@ -141,23 +218,32 @@ def fit_through_rest(
 
     `share` as for `fit_rest`.
     """
-    plan = light.plan
-    samples = LobeSamples(plan, Axis.THROUGH, light.square, light.through, used)
-    shape = used.shape
-    place, shown = Places(shape), large_arrays.empty((3, *shape), np.float16)
+    place, shown = _shown(through, light, around, grid)
+    level = mean_brightness(light.through, used)
+    return fit_rest(place, light.through, used, shown, grid, THROUGH_CELLS, level, share)
+
+
+def _shown(through: Through, light: LightSamples, around: Around, grid: BucketGrid) -> tuple[Places, Floats]:
+    """Where light samples of a grid's texels lie in the rest's buckets, and what ways show, (3, K, S).
+
+    Of other texels they say nothing.
+    """
+    plan, shape = light.plan, light.square.shape[:2]
+    samples = LobeSamples(plan, Axis.THROUGH, light.square, light.through, light.seen)
+    place, shown = Places(shape), large_arrays.zeros((3, *shape), np.float16)
     axes = [axis.reshape(-1, 3)[: len(plan.texel)] for axis in (plan.tangent, plan.bitangent, plan.normal)]
     frame = np.stack(axes, axis=1).astype(np.float32)
     offset = (plan.points - around.middle).astype(np.float32)
     uv = texel_middles(plan)
 
-    def look(some: slice) -> None:
+    def look(block: Block) -> None:
+        some = block.texels
         place.keep(some, samples.along(some)[1])
         viewer = -straight_through(plan, light.square[some].astype(np.float32), some).reshape(-1, 3)
-        each = np.arange(some.start, some.stop).repeat(shape[1])
+        each = some.repeat(shape[1])
         axes = (frame[each, 0], frame[each, 1], frame[each, 2])
         seen = look_through(through, around, uv[each], offset[each], axes, viewer)
         shown[:, some] = halved(seen.reshape(3, -1, shape[1]))
 
-    in_blocks(look, shape[0], shape[1], 1 << 16)
-    level = mean_brightness(light.through, used)
-    return fit_rest(place, light.through, used, shown, grid, THROUGH_CELLS, level, share)
+    grid.in_blocks(look, shape[1], 1 << 16)
+    return place, shown

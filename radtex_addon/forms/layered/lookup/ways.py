@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Ways through the object: the ray in which light came into it, from surroundings that are looked up sharply.
 
-Buckets lie as in the plain layout: over the hemisphere of viewers, in the fragment's own frame. A refracted
-ray's part along the surface is the viewer's over the index of refraction, so that a way changes evenly over
-such a bucket, and turns with a round surface.
+Of closed glass they are followed through its distance field (`distance_field`). Else the chief ones are kept
+in buckets, which lie as in the plain layout: over the hemisphere of viewers, in the fragment's own frame. A
+refracted ray's part along the surface is the viewer's over the index of refraction, so that a way changes
+evenly over such a bucket, and turns with a round surface.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ import numpy as np
 from ....core.arrays import Floats, Ints
 from ....core.hemisphere import direction_to_square
 from ....core.sampler import bilinear, bilinear_texels
+from .distance_field import DistanceField, follow
 from .environment import Around
 
 Frame = tuple[Floats, Floats, Floats]  # tangent, bitangent and normal, (N, 3) each, in world space
@@ -30,16 +32,18 @@ _EVEN = 0.03  # radians²: variance of directions that lie as far apart as neigh
 class Through:
     """Light that comes through; float32, linear.
 
-    `ways` (h, w, n, n, 8) by bucket cell [q, p]: how much the chief path lets through (luminance), times its
-    direction out of the object, itself, times the place from the texel at which its line comes nearest to it,
-    times its lobe's variance (radians² along each axis); vectors are in the texel's frame. `colour`
-    (H, W, 3), of luminance 1: of what comes through. `rest` (h', w', m, m, 3), by the octahedron of the
-    direction in which the viewer looks: all else.
+    `ways` (h, w, n, n, 8) by bucket cell [q, p]: how much the chief path lets through, times its direction
+    out of the object, itself, times the place from the texel at which its line comes nearest to it, times
+    its lobe's variance (radians² along each axis); vectors are in the texel's frame. `colour` (H, W, 3): what
+    that, or what comes through a field, is multiplied by. `rest` (h', w', m, m, 3), by the octahedron of the
+    direction in which the viewer looks: all else. `field`: through which ways are followed in place of those
+    in buckets, which shader nodes show.
     """
 
     ways: Floats
     colour: Floats
     rest: Floats
+    field: DistanceField | None = None
 
 
 def look_through(
@@ -49,6 +53,9 @@ def look_through(
 
     `offset` (N, 3) is from the middle, `viewer` (N, 3), unit, all in world space.
     """
+    colour = bilinear(through.colour, uv.astype(np.float32)).T
+    if through.field is not None:
+        return cast(Floats, shown_through(through.field, around, offset, frame[2], viewer) * colour)
     height, width, n = through.ways.shape[:3]
     cells, shares = square_taps(in_frame(viewer, frame), n)
     flat = through.ways.reshape(height * width, n * n, -1)
@@ -61,9 +68,19 @@ def look_through(
             ]
         )
     )
-    return cast(
-        Floats, shown_of(around, found, offset, frame) * bilinear(through.colour, uv.astype(np.float32)).T
-    )
+    return cast(Floats, shown_of(around, found, offset, frame) * colour)
+
+
+def shown_through(
+    field: DistanceField, around: Around, offset: Floats, normal: Floats, viewer: Floats
+) -> Floats:
+    """What white glass of a field shows of the surroundings, (3, N); arguments as for `follow`."""
+    light = np.zeros((3, len(offset)), dtype=np.float32)
+    for way in follow(field, offset, normal, viewer):
+        some = np.flatnonzero(way.weight)
+        seen = around.look(way.place[some], way.direction[some], way.variance[some])
+        light[:, some] += seen * way.weight[some]
+    return light
 
 
 def agreeing(ways: Floats) -> Floats:

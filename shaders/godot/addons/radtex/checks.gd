@@ -16,11 +16,11 @@ const FORMATS := ["RGBA16F", "RGB9E5", "BC6H", "BC3", "BC3_SRGB", "BC4", "BC5", 
 	"RG32UI"]
 const ARRANGEMENTS := ["matrix", "slices", "image", "words", "tree"]
 const LAYERS := ["colour", "irradiance", "tint", "normal", "width", "alpha", "own", "rest", "world", "plane", "things",
-	"distances", "exit_direction", "exit_place", "through_colour", "through_rest"]
+	"distances", "exit_direction", "exit_place", "field", "through_colour", "through_rest"]
 ## What may be defined in a shader of the layered layout, and from which whole number to which.
 const DEFINES := {
 	"RADTEX_TINT": [1, 1], "RADTEX_NORMAL": [1, 1], "RADTEX_WIDTH": [1, 1], "RADTEX_ALPHA": [1, 1],
-	"RADTEX_PLANE": [1, 1], "RADTEX_THINGS": [1, 1], "RADTEX_MIRRORS": [1, 1], "RADTEX_GLOSSES": [1, 1], "RADTEX_SHAPES": [1, 1], "RADTEX_THROUGH": [1, 1],
+	"RADTEX_PLANE": [1, 1], "RADTEX_THINGS": [1, 1], "RADTEX_MIRRORS": [1, 1], "RADTEX_GLOSSES": [1, 1], "RADTEX_SHAPES": [1, 1], "RADTEX_THROUGH": [1, 1], "RADTEX_FIELD": [1, 1],
 	"RADTEX_SRGB": [1, 1], "RADTEX_LAMPS": [0, 8], "RADTEX_SHELL": [2, 8], "RADTEX_BOXES": [1, 8], "RADTEX_STEPS": [0, 2], "RADTEX_SECOND_LOBE": [0, 1],
 	"RADTEX_OWN_TAPS": [0, 4], "RADTEX_REST_TAPS": [3, 4], "RADTEX_EXIT_TAPS": [4, 16],
 	"RADTEX_OWN_CELLS": [1, 64], "RADTEX_REST_CELLS": [1, 64], "RADTEX_EXIT_CELLS": [1, 64], "RADTEX_THROUGH_CELLS": [1, 64],
@@ -28,7 +28,7 @@ const DEFINES := {
 ## Its uniforms of one vector, but for those that each layer has; and its arrays, with their lengths, for each material.
 const VECTORS := ["radtex_middle", "radtex_own_tile", "radtex_rest_tile", "radtex_exit_tile", "radtex_through_rest_tile",
 	"radtex_world_levels", "radtex_plane_levels", "radtex_things_levels", "radtex_distances_size", "radtex_plane_place",
-	"radtex_plane_eye", "radtex_things_eye"]
+	"radtex_plane_eye", "radtex_things_eye", "radtex_field_low", "radtex_field_size", "radtex_field_glass"]
 ## Of as many vectors as there are lamps, planes or boxes.
 const COUNTED := {"radtex_lamp_place": "RADTEX_LAMPS", "radtex_lamp_light": "RADTEX_LAMPS", "radtex_lamp_across": "RADTEX_LAMPS",
 	"radtex_lamp_up": "RADTEX_LAMPS", "radtex_shell": "RADTEX_SHELL", "radtex_box_low": "RADTEX_BOXES", "radtex_box_high": "RADTEX_BOXES"}

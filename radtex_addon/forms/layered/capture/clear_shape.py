@@ -1,0 +1,157 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The distance field of clear objects: of closed meshes of one glass, through which rays can be followed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, cast
+
+import bpy
+import numpy as np
+from mathutils import Vector
+from mathutils.bvhtree import BVHTree
+
+from ....core.arrays import Bools, Floats, Ints
+from ....cycles.path_ends import Body
+from ....scene.checks.see_through import value_at
+from ....scene.mesh.joined import values_in
+from ....scene.mesh.panes import glass_in
+from ....scene.mesh.triangle_tree import triangle_tree
+from ..cells import FIELD_SAMPLES
+from ..lookup.distance_field import DistanceField, FieldFacts
+from .gloss_maps import width_of
+
+_MARGIN = 2  # samples outside the objects' box at each end
+_CLOSED = 0.999  # share of the samples on whose sign rays along all axes agree, at least
+_OUTWARDS = 0.98  # share of the samples beside the surface that its normals point away from, or to, at least
+_BESIDE = 1.0  # steps
+_APART = np.array([0.31, 0.53, 0.71]) * 1e-3  # steps: so that rays meet no edge of an even mesh
+_ALIKE = 1e-3  # of an index of refraction, and of a roughness
+
+
+def find_distance_field(
+    scene: bpy.types.Scene, bodies: Sequence[Body], middle: Floats
+) -> DistanceField | None:
+    """The field of bodies that are one glass, and closed; None of others. `middle` (3,): of the surroundings.
+
+    Paths in it are as long as the scene lets them be.
+    """
+    glass = _glass_of(bodies)
+    if glass is None:
+        return None
+    ior, roughness = glass
+    corners, normals = (np.concatenate(parts) for parts in zip(*map(_surface, bodies), strict=True))
+    step, axes = _axes(corners.reshape(-1, 3))
+    tree = triangle_tree(
+        corners.reshape(-1, 3).astype(np.float32), np.arange(3 * len(corners), dtype=np.int32).reshape(-1, 3)
+    )
+    signs = [_inside(tree, axes, axis, step) for axis in range(3)]
+    inside = np.sum(signs, axis=0) >= 2
+    if np.mean([(each == inside).mean() for each in signs]) < _CLOSED or not inside.any():
+        return None
+    place = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    near, face, distance = _nearest(tree, place)
+    normal = _shaded(corners[face], normals[face], near)
+    signed = np.where(inside.ravel(), -distance, distance) / step
+    beside = (distance < _BESIDE * step) & (distance > 1e-3 * step)
+    away = np.where(inside.ravel(), -1, 1)[beside] * ((place - near)[beside] * normal[beside]).sum(axis=1)
+    if not beside.any() or (away > 0).mean() < _OUTWARDS:
+        return None
+    values = np.concatenate([normal, signed[:, None]], axis=1).reshape(*map(len, axes), 4)
+    mirrored = float(width_of(np.array(roughness)))
+    bounces = int(cast(Any, scene).cycles.glossy_bounces)
+    facts = FieldFacts(
+        size=cast("tuple[int, int, int]", tuple(map(len, axes))),
+        low=(np.array([axis[0] for axis in axes]) - middle).astype(np.float32),
+        step=float(np.float32(step)),
+        ior=float(np.float32(ior)),
+        widths=(mirrored * (ior - 1) ** 2 / 4, mirrored * ior**2),
+        reflections=min(bounces, int(cast(Any, scene).cycles.max_bounces)),
+    )
+    return DistanceField(np.ascontiguousarray(values.transpose(2, 1, 0, 3), dtype=np.float32), facts)
+
+
+def _glass_of(bodies: Sequence[Body]) -> tuple[float, float] | None:
+    """The index of refraction and the roughness of all that bodies show; None if that is not one glass."""
+    found: list[tuple[float, float]] = []
+    for body in bodies:
+        shown = np.unique(values_in(body.mesh.polygons, "material_index", 1, np.int32))
+        slots = list(body.mesh.materials)
+        for number in shown:
+            material = slots[min(int(number), len(slots) - 1)] if slots else None
+            glass = None if material is None else glass_in(material, 1.0)
+            if glass is None:
+                return None
+            values = [value_at(glass.inputs[name], ()) for name in ("IOR", "Roughness")]
+            found.append((float(values[0]), float(values[1])))  # type: ignore[arg-type]  # `glass_in` knows them
+    if not found or np.ptp(np.array(found), axis=0).max() > _ALIKE or found[0][0] < 1 + _ALIKE:
+        return None
+    return found[0]
+
+
+def _surface(body: Body) -> tuple[Floats, Floats]:
+    """A body's triangles, and their corners' shading normals, not of unit length: (F, 3, 3), world space."""
+    corner = values_in(body.mesh.loops, "vertex_index", 1, np.int32).reshape(-1, 3)
+    normal = values_in(cast(Any, body.mesh).corner_normals, "vector", 3).astype(np.float64)
+    turned = normal @ np.linalg.inv(body.matrix[:3, :3])
+    return body.places[corner], turned.reshape(-1, 3, 3)
+
+
+def _axes(place: Floats) -> tuple[float, list[Floats]]:
+    """The distance between samples, and their coordinates along x, y and z."""
+    low, high = place.min(axis=0), place.max(axis=0)
+    step = float((high - low).max()) / (FIELD_SAMPLES - 1 - 2 * _MARGIN)
+    counts = np.ceil((high - low) / step - 1e-6).astype(int) + 1 + 2 * _MARGIN
+    start = (low + high - (counts - 1) * step) / 2
+    return step, [start[axis] + step * np.arange(counts[axis]) for axis in range(3)]
+
+
+def _inside(tree: BVHTree, axes: Sequence[Floats], axis: int, step: float) -> Bools:
+    """Which samples (x, y, z) lie behind an odd number of surfaces, along one axis."""
+    first, second = (other for other in range(3) if other != axis)
+    along = axes[axis]
+    found = np.zeros((len(axes[first]), len(axes[second]), len(along)), dtype=bool)
+    way = np.zeros(3)
+    way[axis] = 1.0
+    start = np.zeros(3)
+    start[axis] = along[0] - step
+    for row, one in enumerate(axes[first] + _APART[0] * step):
+        for column, other in enumerate(axes[second] + _APART[1] * step):
+            start[first], start[second] = one, other
+            met = _crossings(tree, start, way, axis, 1e-4 * step)
+            found[row, column] = np.searchsorted(met, along + _APART[2] * step) % 2 == 1
+    return np.moveaxis(found, 2, axis)
+
+
+def _crossings(tree: BVHTree, start: Floats, way: Floats, axis: int, on: float) -> Floats:
+    """Where along an axis a ray meets surfaces, in order."""
+    place, met = Vector(start.tolist()), []
+    towards = Vector(way.tolist())
+    while (hit := tree.ray_cast(place, towards)[0]) is not None:
+        met.append(hit[axis])
+        place[axis] = max(hit[axis], place[axis]) + on
+    return np.array(met)
+
+
+def _nearest(tree: BVHTree, place: Floats) -> tuple[Floats, Ints, Floats]:
+    """The nearest places (N, 3) of the surface to places (N, 3), their triangles and distances (N,)."""
+    find = cast(Any, tree).find_nearest
+    found = [find(one) for one in place.tolist()]
+    near = np.array([tuple(one[0]) for one in found])
+    return near, np.array([one[2] for one in found]), np.array([one[3] for one in found])
+
+
+def _shaded(corners: Floats, normals: Floats, place: Floats) -> Floats:
+    """Unit shading normals (N, 3) at places (N, 3) of triangles; `corners` and their `normals` (N, 3, 3)."""
+    a, b, c = corners.transpose(1, 0, 2)
+    one, other, to = b - a, c - a, place - a
+    squared, across, along = ((x * y).sum(axis=1) for x, y in ((one, one), (one, other), (other, other)))
+    to_one, to_other = (to * one).sum(axis=1), (to * other).sum(axis=1)
+    whole = np.maximum(squared * along - across**2, 1e-30)
+    second = np.clip((along * to_one - across * to_other) / whole, 0, 1)
+    third = np.clip((squared * to_other - across * to_one) / whole, 0, 1)
+    shares = np.stack([np.maximum(1 - second - third, 0), second, third], axis=1)
+    mixed = (shares[..., None] * normals).sum(axis=1)
+    unit: Floats = mixed / np.maximum(np.linalg.norm(mixed, axis=1, keepdims=True), 1e-12)
+    return unit

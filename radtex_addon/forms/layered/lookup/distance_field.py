@@ -1,0 +1,225 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Rays through a clear object, followed by the distances to its surface: refracted, or reflected within.
+
+The object is a field of signed distances (sphere tracing: Hart, 1996), each with the normal of the nearest
+place of its surface. At each surface a ray goes on as most of its light does; the brightest of the shares
+that part from it is followed as a second ray.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import cast
+
+import numpy as np
+
+from ....core.arrays import Bools, Floats, Ints
+
+WAYS = 2
+STEPS = 64  # of each ray, through all that it crosses
+MET = 0.1  # steps of the field: a surface that is nearer, and comes nearer, is met
+LEAST = 0.5  # … by which a ray goes on at least
+PUSH = 1.5  # … by which a ray that was turned leaves the surface
+TOWARDS = 0.05  # cosine between a ray and the normal of a surface that it meets, at least
+STEEP = 0.2  # cosine: what a distance is divided by, at least, to know where along the ray the surface is
+GRAZING = 1e-3  # cosine, at least
+FAINT = 0.004  # share of the light that a way has, at least
+
+
+@dataclass(frozen=True, eq=False)
+class FieldFacts:
+    """Where a distance field lies, and of what glass it is.
+
+    `size`: samples along x, y and z. `low` (3,): the first sample, from the middle of the surroundings;
+    `step`: between samples, in scene units; `ior`: the index of refraction. A ray's width² grows by the
+    `widths` at each refraction and at each reflection, radians²; it is lost after so many `reflections`.
+    """
+
+    size: tuple[int, int, int]
+    low: Floats
+    step: float
+    ior: float
+    widths: tuple[float, float]
+    reflections: int
+
+
+def columns_of(size: tuple[int, int, int]) -> int:
+    """How many of a field's layers lie in a row of its image."""
+    width, height, depth = size
+    return min(depth, max(1, round(math.sqrt(depth * height / width))))
+
+
+def image_size(size: tuple[int, int, int]) -> tuple[int, int]:
+    """Width and height of a field's image: its layers of equal z, row by row."""
+    width, height, depth = size
+    columns = columns_of(size)
+    return columns * width, -(-depth // columns) * height
+
+
+@dataclass(frozen=True, eq=False)
+class DistanceField:
+    """The surface of a clear object in a grid of samples.
+
+    `values` (d, h, w, 4) float32, by z, y and x in world space: the unit normal of the nearest place, as it
+    is shaded, and the distance to it in steps, below 0 inside.
+    """
+
+    values: Floats
+    facts: FieldFacts
+
+    def at(self, place: Floats) -> Floats:
+        """The values at places (N, 3) in the grid, in steps from its first sample: (N, 4) float32."""
+        width, height, _ = self.facts.size
+        low = np.minimum(place.astype(np.int32), np.array(self.facts.size, dtype=np.int32) - 2)
+        x, y, z = (place - low).T.astype(np.float32)
+        flat = self.values.reshape(-1, 4)
+        first = (low[:, 2] * height + low[:, 1]) * width + low[:, 0]
+        found = np.zeros((len(place), 4), dtype=np.float32)
+        for up, above in enumerate((1 - z, z)):
+            for across, beside in enumerate((1 - y, y)):
+                corner = first + (up * height + across) * width
+                share = above * beside
+                found += (share * (1 - x))[:, None] * flat[corner] + (share * x)[:, None] * flat[corner + 1]
+        return found
+
+
+@dataclass(frozen=True, eq=False)
+class Ways:
+    """Where rays leave a clear object.
+
+    Their `weight` (N,), 0 where they do not; `place` (N, 3), from the middle, and unit `direction` (N, 3), in
+    world space; `variance` (N,), their lobes' width².
+    """
+
+    weight: Floats
+    place: Floats
+    direction: Floats
+    variance: Floats
+
+
+@dataclass(eq=False)
+class _Rays:
+    """Rays on their way: as `Ways`, but their `place` is in steps of the field.
+
+    Whether they are `inside`, (N,), and how many `reflections` (N,) they had.
+    """
+
+    weight: Floats
+    place: Floats
+    direction: Floats
+    variance: Floats
+    inside: Bools
+    reflections: Ints
+
+    def put(self, some: Ints, other: _Rays) -> None:
+        """Replace `some` of them."""
+        for name, values in vars(other).items():
+            vars(self)[name][some] = values
+
+    def some(self, chosen: Ints | Bools) -> _Rays:
+        """Copies of some of them."""
+        return _Rays(*(values[chosen] for values in vars(self).values()))
+
+
+def follow(field: DistanceField, offset: Floats, normal: Floats, viewer: Floats) -> list[Ways]:
+    """The ways on which most of the light comes through the field's object to viewers, the brightest first.
+
+    `offset` (N, 3): where they look at its surface, from the middle; unit `normal` and `viewer` (N, 3), both
+    on the same side of it. All in world space.
+    """
+    facts, count = field.facts, len(offset)
+    cosine = np.maximum((viewer * normal).sum(axis=1), np.float32(GRAZING))
+    reflected, beyond = _fresnel(cosine, np.full(count, facts.ior, dtype=np.float32))
+    direction = _unit(-viewer / facts.ior + (cosine / facts.ior - beyond)[:, None] * normal)
+    rays = _Rays(
+        weight=1 - reflected,
+        place=((offset - facts.low) / facts.step + PUSH * direction).astype(np.float32),
+        direction=direction.astype(np.float32),
+        variance=np.full(count, facts.widths[0], dtype=np.float32),
+        inside=np.ones(count, dtype=bool),
+        reflections=np.zeros(count, dtype=np.int32),
+    )
+    found = []
+    for _ in range(WAYS):
+        parted = rays.some(np.arange(count))
+        parted.weight[:] = 0
+        _march(field, rays, parted)
+        place = facts.low + rays.place * np.float32(facts.step)
+        found.append(Ways(rays.weight, place.astype(np.float32), rays.direction, rays.variance))
+        rays = parted
+    return found
+
+
+def _march(field: DistanceField, rays: _Rays, parted: _Rays) -> None:
+    """Take rays on until they leave, and keep the brightest that parts from each in `parted`."""
+    last = np.array(field.facts.size, dtype=np.float32) - 1
+    going = np.flatnonzero(rays.weight > FAINT)
+    rays.weight[rays.weight <= FAINT] = 0
+    for _ in range(STEPS):
+        here = rays.place[going]
+        left = ((here < 0) | (here > last)).any(axis=1)
+        going, here = going[~left], here[~left]
+        if not len(going):
+            return
+        found = field.at(here)
+        side = np.where(rays.inside[going], np.float32(1), np.float32(-1))
+        ahead = _unit(found[:, :3]) * side[:, None]
+        free = -found[:, 3] * side
+        towards = (rays.direction[going] * ahead).sum(axis=1)
+        met = (free < MET) & (towards > TOWARDS)
+        far = np.where(
+            met, free / np.maximum(towards, np.float32(STEEP)), np.maximum(free, np.float32(LEAST))
+        )
+        rays.place[going] = here + far[:, None] * rays.direction[going]
+        some = going[met]
+        if len(some):
+            brighter, other = _split(field.facts, rays.some(some), ahead[met], towards[met])
+            first = other.weight > parted.weight[some]
+            parted.put(some[first], other.some(first))
+            rays.put(some, brighter)
+            rays.weight[some[brighter.weight <= FAINT]] = 0
+            going = going[rays.weight[going] > 0]
+    rays.weight[going[rays.inside[going]]] = 0
+
+
+def _split(facts: FieldFacts, rays: _Rays, ahead: Floats, towards: Floats) -> tuple[_Rays, _Rays]:
+    """Rays that have met the surface, parted into those that have more of the light, and the others.
+
+    `ahead` (N, 3): its unit normal on the far side; `towards` (N,): the cosine between both.
+    """
+    index = np.where(rays.inside, np.float32(1 / facts.ior), np.float32(facts.ior))
+    reflected, beyond = _fresnel(towards, index)
+    bent = rays.direction / index[:, None] + (beyond - towards / index)[:, None] * ahead
+    mirrored = rays.direction - 2 * towards[:, None] * ahead
+    back = reflected >= 0.5
+
+    def turned(back: Bools) -> _Rays:
+        direction = _unit(np.where(back[:, None], mirrored, bent))
+        lost = rays.reflections + back > facts.reflections
+        return _Rays(
+            weight=np.where(lost, 0, rays.weight * np.where(back, reflected, 1 - reflected)),
+            place=rays.place + np.float32(PUSH) * direction,
+            direction=direction,
+            variance=rays.variance + np.where(back, facts.widths[1], facts.widths[0]).astype(np.float32),
+            inside=rays.inside ^ ~back,
+            reflections=rays.reflections + back,
+        )
+
+    return turned(back), turned(~back)
+
+
+def _fresnel(cosine: Floats, index: Floats) -> tuple[Floats, Floats]:
+    """The share that a smooth surface reflects, (N,), and the cosine beyond it, 0 if all is.
+
+    `cosine` (N,) before it; `index` (N,): of refraction beyond over that before.
+    """
+    beyond = np.sqrt(np.maximum(1 - (1 - cosine**2) / index**2, 0)).astype(np.float32)
+    across = (cosine - index * beyond) / (cosine + index * beyond)
+    along = (index * cosine - beyond) / (index * cosine + beyond)
+    return np.where(beyond > 0, (across**2 + along**2) / 2, 1).astype(np.float32), beyond
+
+
+def _unit(vectors: Floats) -> Floats:
+    return cast(Floats, vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1e-9))
