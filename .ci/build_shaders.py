@@ -54,6 +54,7 @@ MACROS = {"RADTEX_PAGES": False, "RADTEX_HARDWARE_LINEAR": False, "RADTEX_SHADOW
 _NAME = re.compile(r"(?<![\w.])[A-Za-z_]\w*")
 _TYPE = r"(?:const )?(?:float|int|uint|bool|[iu]?vec[234]|mat3|Radtex\w+)"
 _FUNCTION = re.compile(r"(\w+) (\w+)\(([^()]*)\) \{", re.DOTALL)
+_HINT = re.compile(r"\[(?:unroll|loop)\] ")  # of HLSL, before a loop
 _LOOP = re.compile(r"for \(\w+ (.*?); (.*)\) \{")
 _DECLARATION = re.compile(rf"({_TYPE}) (\w.*);", re.DOTALL)
 _DECLARED = re.compile(r"(\w+)(?:\[(\w+)\])?(?: = (.*))?", re.DOTALL)
@@ -190,7 +191,7 @@ class CLike:
         if self.language == "hlsl":
             code = re.sub(r"^const ", "static const ", code)
         else:
-            code = code.replace("[unroll] ", "")
+            code = _HINT.sub("", code)
         if self.language == "godot":
             code = _TINY.sub("RADTEX_TINY", code)
         if code.startswith("uniform "):
@@ -268,7 +269,7 @@ class Wgsl:
 
     def _simple(self, code: str) -> str:
         """A statement that is one line here, too."""
-        if found := _LOOP.fullmatch(code.removeprefix("[unroll] ")):
+        if found := _LOOP.fullmatch(_HINT.sub("", code)):
             return f"for (var {self._spelt(found[1])}; {self._spelt(found[2])}) {{"
         if code.startswith("if ("):
             end = _closing(code, len("if "))

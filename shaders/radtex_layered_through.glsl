@@ -99,11 +99,8 @@ vec3 radtex_followed(vec3 from, vec3 N, vec3 V) {
     for (int k = 0; k < 2; k++) {
         RadtexWay parted = way;
         parted.weight = 0.0;
-        bool outside = false;
-        for (int taken = 0; taken < 64; taken++) {
-            vec3 room = min(way.place, last - way.place);
-            outside = min(room.x, min(room.y, room.z)) < 0.0;
-            if (outside || way.weight <= 0.004) break;
+        bool outside = false, going = way.weight > 0.004;
+        for (int taken = 0; taken < 64 && going; taken++) {
             vec4 found = radtex_field(way.place);
             vec3 ahead = found.xyz * (way.side * inversesqrt(max(dot(found.xyz, found.xyz), 1e-12)));
             float free = -found.w * way.side, towards = dot(way.ray, ahead);
@@ -116,6 +113,9 @@ vec3 radtex_followed(vec3 from, vec3 N, vec3 V) {
                 if (other.weight > parted.weight) parted = other;
                 way = radtex_turned(way, ahead, towards, index, back);
             }
+            vec3 room = min(way.place, last - way.place);
+            outside = min(room.x, min(room.y, room.z)) < 0.0;
+            going = !outside && way.weight > 0.004;
         }
         if (way.weight > 0.004 && (outside || way.side < 0.0)) {
             vec3 exit = low.xyz + way.place / low.w;

@@ -113,14 +113,11 @@ float3 radtex_followed(float3 from, float3 N, float3 V) {
     way.width = glass.y;
     way.side = 1.0;
     way.reflections = 0.0;
-    for (int k = 0; k < 2; k++) {
+    [loop] for (int k = 0; k < 2; k++) {
         RadtexWay parted = way;
         parted.weight = 0.0;
-        bool outside = false;
-        for (int taken = 0; taken < 64; taken++) {
-            float3 room = min(way.place, last - way.place);
-            outside = min(room.x, min(room.y, room.z)) < 0.0;
-            if (outside || way.weight <= 0.004) break;
+        bool outside = false, going = way.weight > 0.004;
+        [loop] for (int taken = 0; taken < 64 && going; taken++) {
             float4 found = radtex_field(way.place);
             float3 ahead = found.xyz * (way.side * rsqrt(max(dot(found.xyz, found.xyz), 1e-12)));
             float free = -found.w * way.side, towards = dot(way.ray, ahead);
@@ -133,6 +130,9 @@ float3 radtex_followed(float3 from, float3 N, float3 V) {
                 if (other.weight > parted.weight) parted = other;
                 way = radtex_turned(way, ahead, towards, index, back);
             }
+            float3 room = min(way.place, last - way.place);
+            outside = min(room.x, min(room.y, room.z)) < 0.0;
+            going = !outside && way.weight > 0.004;
         }
         if (way.weight > 0.004 && (outside || way.side < 0.0)) {
             float3 exit = low.xyz + way.place / low.w;

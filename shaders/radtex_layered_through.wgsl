@@ -112,10 +112,8 @@ fn radtex_followed(whence: vec3f, N: vec3f, V: vec3f) -> vec3f {
         var parted = way;
         parted.weight = 0.0;
         var outside = false;
-        for (var taken = 0; taken < 64; taken++) {
-            let room = min(way.place, last - way.place);
-            outside = min(room.x, min(room.y, room.z)) < 0.0;
-            if outside || way.weight <= 0.004 { break; }
+        var going = way.weight > 0.004;
+        for (var taken = 0; taken < 64 && going; taken++) {
             let found = radtex_field(way.place);
             let ahead = found.xyz * (way.side * inverseSqrt(max(dot(found.xyz, found.xyz), 1e-12)));
             let free = -found.w * way.side;
@@ -129,6 +127,9 @@ fn radtex_followed(whence: vec3f, N: vec3f, V: vec3f) -> vec3f {
                 if other.weight > parted.weight { parted = other; }
                 way = radtex_turned(way, ahead, towards, index, back);
             }
+            let room = min(way.place, last - way.place);
+            outside = min(room.x, min(room.y, room.z)) < 0.0;
+            going = !outside && way.weight > 0.004;
         }
         if way.weight > 0.004 && (outside || way.side < 0.0) {
             let exit = low.xyz + way.place / low.w;

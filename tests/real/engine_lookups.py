@@ -219,4 +219,5 @@ FORMS: dict[str, Callable[[Target], Asked]] = {
     "layered": lambda target: layered(target, "made up"),
     "layered, by images": lambda target: by_images(target, "everything, in ranges"),
     "layered, light comes through": lambda target: layered(target, "everything, in ranges"),
+    "layered, closed glass": lambda target: layered(target, "glass ball"),
 }

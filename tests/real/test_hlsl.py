@@ -15,7 +15,7 @@ from radtex_addon.core.arrangements import fitting_pages
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.sampler import Filter
-from radtex_addon.forms.layered.files.arrangement import CHANNELS
+from radtex_addon.forms.layered.files.arrangement import CHANNELS, FIELD
 from radtex_addon.forms.layered.shader_values import (
     BAKE_BUFFER,
     DEFAULT,
@@ -269,7 +269,7 @@ def run_layered(
     root: Root, compiler: str, defines: str, case: Case, cost: LookupCost, shown: ImageCase | None = None
 ) -> Floats:
     """The shader's answers, (N, 3) float32; materials are `shown` by images of their own."""
-    assert set(TEXTURES) == set(CHANNELS)
+    assert {*TEXTURES, FIELD} == set(CHANNELS)
     for name, value in definitions(case.sidecar, cost).items():
         defines += f"#define {name} {value}\n"
     source = defines + LAYERED % ("radtex_layered_through" if case.through else "radtex_layered")
@@ -284,6 +284,9 @@ def run_layered(
         if layer in case.textures:
             levels = case.textures[layer]
             resources[f"t{k}"] = image(*(level[::-1] if TOP_DOWN in defines else level for level in levels))
+    if FIELD in case.textures:  # in place of the rays that leave
+        resources["t12"] = image(*case.textures[FIELD])
+        del resources["t13"]
     for k, own in enumerate(shown.images.values() if shown else (), len(TEXTURES)):
         resources[f"t{k}"] = image(own.astype(np.float16))
 
@@ -310,6 +313,7 @@ def packed(values: Values, layout: Mapping[str, int]) -> Floats:
         ("bare", ""),
         ("matt", ""),
         ("one lobe", ""),
+        ("glass ball", ""),
         ("room", ""),
     ],
 )

@@ -315,7 +315,7 @@ def in_quads(across: Floats, up: Floats, rng: np.random.Generator) -> Lookups:
 
 FOLDER = Path(__file__).parents[2] / "shaders"
 LAYERED = """
-@group(0) @binding(20) var fields: texture_2d_array<f32>;
+@group(0) @binding(30) var fields: texture_2d_array<f32>;
 @fragment fn main(@builtin(position) at: vec4f) -> @location(0) vec4f {
     let here = vec2i(at.xy);
     let uv = textureLoad(fields, here, 0, 0).xy;
