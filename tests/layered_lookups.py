@@ -28,18 +28,23 @@ from radtex_addon.forms.layered.files.arrangement import (
 from radtex_addon.forms.layered.files.layered_files import atlas_of
 from radtex_addon.forms.layered.files.sidecar import LayeredSidecar
 from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas, alpha_at, sample_layered
-from radtex_addon.forms.layered.lookup.distance_field import DistanceField, FieldFacts
 from radtex_addon.forms.layered.lookup.environment import Around, Impostor, Lamp, Shell
 from radtex_addon.forms.layered.lookup.images import Colour, ImageLook, look_of_images
 from radtex_addon.forms.layered.lookup.lamp_shapes import LampShape, ShapeKind
 from radtex_addon.forms.layered.lookup.lobes import Gloss
 from radtex_addon.forms.layered.lookup.ways import Through
 from radtex_addon.forms.layered.shader_values import CLEAR_ALPHA, Stored
-from tests.layered.made_up import _buckets, _image, _waves, made_up_atlas, made_up_fragments
+from tests.layered.made_up import (
+    _buckets,
+    _image,
+    _waves,
+    field_of_ball,
+    made_up_atlas,
+    made_up_fragments,
+)
 from tests.lookups import COUNT
 
 TEXELS, SIZE, EXITS, THROUGH = 16, 64, 8, 6
-BALL = 0.9  # radius of a ball of glass
 FACTS = Sidecar("Vase", "radiance", TEXELS, TEXELS, 14, "RadTex", 16, 0, "portal", "RadTex 0", "5.2")
 MEAN, MOST = 3e-3, 0.05  # as far off as a shader may be
 
@@ -174,8 +179,6 @@ def case_of(name: str) -> Case:
         textures[layer], stored[layer] = _stored(layer, image, sidecar, ranged)
         images[layer] = _decoded(layer, textures[layer], stored[layer], image.shape)
     at = made_up_fragments(atlas, COUNT, framed=True)
-    if atlas.through is not None and atlas.through.field is not None:  # whose surface they are on
-        at = replace(at, position=atlas.around.middle + np.float32(BALL) * at.normal)
     return Case(atlas_of(images, sidecar), sidecar, textures, stored, at)
 
 
@@ -183,15 +186,7 @@ def glass_ball(atlas: LayeredAtlas) -> LayeredAtlas:
     """With a ball of frosted glass, through which rays are followed."""
     whole = everything(atlas)
     assert whole.through is not None
-    step, size = 2 * BALL / 18, (24, 25, 26)
-    low = np.array([-11.5, -12.0, -12.5], dtype=np.float32) * np.float32(step)
-    axes = [start + step * np.arange(count) for start, count in zip(low, size, strict=True)]
-    place = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).transpose(2, 1, 0, 3)
-    away = np.linalg.norm(place, axis=-1, keepdims=True)
-    values = np.concatenate([place / away, (away - BALL) / step], axis=-1).astype(np.float32)
-    facts = FieldFacts(size, low, step, 1.45, (1e-3, 2e-2), 4)
-    field = DistanceField(np.ascontiguousarray(values), facts)
-    return replace(whole, through=replace(whole.through, field=field))
+    return replace(whole, through=replace(whole.through, field=field_of_ball((24, 25, 26), (1e-3, 2e-2))))
 
 
 def parted(atlas: LayeredAtlas) -> LayeredAtlas:

@@ -17,10 +17,16 @@ from radtex_addon.bake.pooling import Neighbours
 from radtex_addon.bake.progress import finished
 from radtex_addon.core.hemisphere import cell_centres, square_to_direction
 from radtex_addon.cycles.path_ends import Body
+from radtex_addon.forms.layered.capture.clear_shape import find_distance_field
 from radtex_addon.forms.layered.capture.enclosed import enclosed
 from radtex_addon.forms.layered.capture.exits import capture_exits
+from radtex_addon.forms.layered.capture.gloss_maps import width_of
+from radtex_addon.forms.layered.cells import FIELD_SAMPLES
 from radtex_addon.forms.layered.fit.through import fit_ways
+from radtex_addon.forms.layered.lookup.distance_field import DistanceField
 from radtex_addon.prepare.prepared import prepare
+from radtex_addon.scene.mesh.copy import baked_mesh
+from radtex_addon.scene.mesh.evaluated import evaluate
 from radtex_addon.scene.objects import find_object
 from radtex_addon.scene.scratch import scratch_scene
 from radtex_addon.settings.spec import BakeSpec, Layout
@@ -140,3 +146,82 @@ def test_a_sheet_of_glass_moves_rays_aside(tmp_path: Path) -> None:
     assert (np.abs(length + aside) < 3e-3).mean() > 0.97  # a path may go astray
     normal = (1 - 1 / _INDEX) ** 2 / (1 + 1 / _INDEX) ** 2
     assert abs(float(np.median(ways[3, top][:, steep])) - (1 - normal) ** 2) < 0.06
+
+
+def field_of(*items: tuple[Any, bpy.types.Material]) -> DistanceField | None:
+    """The field of objects of the open scene, each of one material."""
+    bodies = []
+    for item, material in items:
+        item.data.materials.clear()
+        item.data.materials.append(material)
+        shown = baked_mesh(evaluate(context.scene, item), np.zeros((len(item.data.loop_triangles), 3, 2)))
+        bodies.append(Body(item, shown, np.array(item.matrix_world)))
+    return find_distance_field(context.scene, bodies, np.array([0, 0, 1.0]))
+
+
+def ball(radius: float, flipped: bool = False) -> Any:
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=48, ring_count=24, radius=radius, location=(0.5, 0, 1))
+    bpy.ops.object.shade_smooth()
+    item = context.object
+    if flipped:
+        item.data.flip_normals()
+    item.data.calc_loop_triangles()
+    context.view_layer.update()
+    return item
+
+
+def clear(ior: float = 1.5, **inputs: float) -> bpy.types.Material:
+    return principled("Glass", (1, 1, 1), Transmission_Weight=1.0, IOR=ior, **{"Roughness": 0.2, **inputs})
+
+
+@pytest.mark.one_blender
+def test_closed_glass_has_a_field_of_distances() -> None:
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    context.scene.cycles.glossy_bounces = 3
+    field = field_of((ball(1.0), clear()))
+    assert field is not None
+    facts = field.facts
+    assert max(facts.size) == FIELD_SAMPLES
+    assert (facts.ior, facts.reflections) == (1.5, 3)
+    mirrored = float(width_of(np.array(0.2)))
+    assert facts.widths == pytest.approx((mirrored / 16, mirrored * 2.25))
+    place = np.array([[0.5, 0.3, 0], [1.4, 0, 0], [0.5, 0, 1.05], [0.5, 0.5, 0.5]], np.float32)
+    values = field.at((place - facts.low) / facts.step)
+    away = place - [0.5, 0, 0]
+    far = np.linalg.norm(away, axis=1)
+    assert values[:, 3] * facts.step == pytest.approx(far - 1, abs=0.02)  # it is no true ball
+    assert (values[:, :3] * away).sum(axis=1) == pytest.approx(far, abs=0.02)
+
+
+@pytest.mark.one_blender
+def test_a_bubble_is_no_glass() -> None:
+    """Its normals point into it."""
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    glass_, shell, bubble = clear(), ball(1.0), ball(0.4, flipped=True)
+    field = field_of((shell, glass_), (bubble, glass_))
+    assert field is not None
+    place = np.array([[0.5, 0, 0.2], [0.5, 0, 0.3], [0.5, 0, 0.6], [0.5, 0, 1.05]], np.float32)
+    values = field.at((place - field.facts.low) / field.facts.step)
+    assert values[:, 3] * field.facts.step == pytest.approx([0.2, 0.1, -0.2, 0.05], abs=0.02)
+    assert field_of((shell, glass_), (ball(0.4), glass_)) is None
+
+
+@pytest.mark.one_blender
+@pytest.mark.parametrize(
+    "case", ["open", "inside out", "two kinds", "opaque in part", "a normal map", "roughness from an image"]
+)
+def test_what_rays_cannot_be_followed_through_has_no_field(case: str) -> None:
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    item, material = ball(1.0, flipped=case == "inside out"), clear()
+    if case == "open":
+        bpy.ops.mesh.primitive_plane_add()
+        item = context.object
+        item.data.calc_loop_triangles()
+    tree: Any = material.node_tree
+    glass_node = tree.nodes["Principled BSDF"]
+    if case == "a normal map":
+        tree.links.new(tree.nodes.new("ShaderNodeBump").outputs[0], glass_node.inputs["Normal"])
+    if case == "roughness from an image":
+        tree.links.new(tree.nodes.new("ShaderNodeTexImage").outputs[0], glass_node.inputs["Roughness"])
+    others = {"two kinds": [(ball(0.4), clear(1.3))], "opaque in part": [(ball(0.4), plaster())]}
+    assert field_of((item, material), *others.get(case, [])) is None

@@ -21,6 +21,7 @@ from radtex_addon.forms.layered.fit.bucket_grid import BucketGrid
 from radtex_addon.forms.layered.fit.own_light import Surface
 from radtex_addon.forms.layered.fit.rows import Places
 from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas
+from radtex_addon.forms.layered.lookup.distance_field import DistanceField, FieldFacts
 from radtex_addon.forms.layered.lookup.environment import (
     Around,
     Impostor,
@@ -30,6 +31,8 @@ from radtex_addon.forms.layered.lookup.environment import (
     SurroundingLayer,
 )
 from radtex_addon.forms.layered.lookup.lobes import LOBES, STEPS, Material
+
+BALL = 0.7  # radius of the ball that fragments lie on
 
 
 def made_up_atlas(texels: int, size: int, cells: tuple[int, int] = CELLS[0]) -> LayeredAtlas:
@@ -82,7 +85,7 @@ def made_up_fragments(atlas: LayeredAtlas, count: int, framed: bool = False) -> 
     rng = np.random.default_rng(2)
     normal, viewer = (normalised(rng.normal(size=(count, 3))) for _ in range(2))
     viewer *= np.sign((normal * viewer).sum(axis=1, keepdims=True))
-    position = atlas.around.middle + 0.7 * normal
+    position = atlas.around.middle + BALL * normal
     fields = (rng.uniform(size=(count, 2)), normal, viewer, position)
     uv, normal, viewer, position = (field.astype(np.float32) for field in fields)
     at = Fragments(uv, normal, viewer, position, rng.integers(len(atlas.materials), size=count))
@@ -90,6 +93,18 @@ def made_up_fragments(atlas: LayeredAtlas, count: int, framed: bool = False) -> 
         return at
     tangent = normalised(np.cross(normal, [0.1, 0.2, 0.97])).astype(np.float32)
     return replace(at, tangent=tangent, bitangent=np.cross(normal, tangent).astype(np.float32))
+
+
+def field_of_ball(size: tuple[int, int, int], widths: tuple[float, float] = (0.0, 0.0)) -> DistanceField:
+    """Of a ball around the middle; its box has three samples more at each end, of the fewest."""
+    step = 2 * BALL / (min(size) - 7)
+    low = (-0.5 * step * (np.array(size) - 1)).astype(np.float32)
+    axes = [start + step * np.arange(count) for start, count in zip(low, size, strict=True)]
+    place = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).transpose(2, 1, 0, 3)
+    away = np.linalg.norm(place, axis=-1, keepdims=True)
+    values = np.concatenate([place / np.maximum(away, 1e-9), (away - BALL) / step], axis=-1)
+    facts = FieldFacts(size, low, float(np.float32(step)), 1.45, widths, 4)
+    return DistanceField(np.ascontiguousarray(values, dtype=np.float32), facts)
 
 
 def flat_plan(side: int, cells: int, axes: Floats | None = None) -> CapturePlan:

@@ -42,7 +42,8 @@ def test_facts_survive_json(name: str) -> None:
 def test_every_uniform_of_everything_is_in_a_buffer() -> None:
     case, room = case_of("everything"), case_of("room")
     values = bake_values(room.sidecar, room.stored) | bake_values(case.sidecar, case.stored)
-    values |= material_values(case.sidecar, 0)
+    glass = case_of("glass ball")
+    values |= bake_values(glass.sidecar, glass.stored) | material_values(case.sidecar, 0)
     assert set(values) == set(BAKE_BUFFER) | set(MATERIAL_BUFFER) | set(THROUGH_BUFFER)
     numbers = np.reshape(buffer_of(values, BAKE_BUFFER), (-1, 4))
     assert len(numbers) == sum(BAKE_BUFFER.values())
@@ -64,6 +65,11 @@ def test_what_is_not_looked_up_is_not_read() -> None:
     sidecar = case_of("made up").sidecar
     assert "distances" in layers_read(sidecar)
     assert "distances" not in layers_read(sidecar, LookupCost(steps=0))
+    sidecar = case_of("glass ball").sidecar  # through which rays are followed
+    assert {"exit_direction", "exit_place", "field"} <= set(sidecar.bake.layers)
+    assert not {"exit_direction", "exit_place"} & set(layers_read(sidecar))
+    assert "field" in layers_read(sidecar)
+    assert "RADTEX_EXIT_TAPS" not in definitions(sidecar)
 
 
 def test_one_lobe_is_as_bright_as_two() -> None:

@@ -38,6 +38,7 @@ _AGREEING = 2.0  # paths that have to agree
 _ROUNDS = 2
 _BINOMIAL = np.array([0.25, 0.5, 0.25], dtype=np.float32)  # what neighbouring cells count for
 _LEAST = 1e-6
+_EVERY = 5  # one in so many cells tells how dark glass is
 _DARKEST = 0.01  # share of the light that glass lets through
 _SEED = 5
 
@@ -158,13 +159,17 @@ def fit_through(
 def _dimmed(exits: ExitSamples, field: DistanceField, around: Around) -> Floats:
     """By how much ways through the field are too bright beside the traced paths, in each texel (K,)."""
     plan = exits.plan
-    count, cells = exits.weight.shape[1:]
-    local = square_to_direction(cell_centres(round(cells**0.5)).reshape(-1, 2)).astype(np.float32)
+    count, some_cells = exits.weight.shape[1], slice(None, None, _EVERY)
+    local = square_to_direction(cell_centres(plan.layout.bucket).reshape(-1, 2)[some_cells]).astype(
+        np.float32
+    )
+    cells = len(local)
     frame = np.stack(
         [axis.reshape(-1, 3)[:count] for axis in (plan.tangent, plan.bitangent, plan.normal)], axis=1
     ).astype(np.float32)
     offset = (plan.points - around.middle).astype(np.float32)
-    white, paths = np.empty(count, dtype=np.float32), exits.weight.mean(axis=0).sum(axis=1)
+    white = np.empty(count, dtype=np.float32)
+    paths = exits.weight[:, :, some_cells].mean(axis=0).sum(axis=1)
 
     def sum_up(some: slice) -> None:
         viewer = np.einsum("sa,kac->ksc", local, frame[some]).reshape(-1, 3)

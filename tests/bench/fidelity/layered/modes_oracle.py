@@ -62,7 +62,9 @@ class _Ways:
 
 def main() -> None:
     """Capture, trace, look, print."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     add_scene_options(parser)
     parser.add_argument("--texels", type=int, default=128)
     parser.add_argument("--samples", type=int, default=16)
@@ -120,7 +122,8 @@ def _exits(stage: Stage, buffer: GBuffer, paths: int, folder: Path) -> ExitSampl
         return values.astype(np.float32)[None]
 
     flat = CapturePlan(
-        AtlasLayout(count, 1, 1), np.arange(count),
+        AtlasLayout(count, 1, 1),
+        np.arange(count),
         *map(packed, (buffer.position[hit], tangent, bitangent, normal, buffer.normal[hit])),
     )
     plan = plan_of_picked(flat, np.arange(count))

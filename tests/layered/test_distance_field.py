@@ -1,0 +1,122 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Rays through closed glass, beside what optics says of a ball and of a plate."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from radtex_addon.core.arrays import Floats
+from radtex_addon.core.frame import normalised
+from radtex_addon.forms.layered.files.arrangement import field_beside, layers_beside
+from radtex_addon.forms.layered.lookup.distance_field import (
+    DistanceField,
+    FieldFacts,
+    columns_of,
+    follow,
+    image_size,
+)
+from tests.layered.made_up import BALL, field_of_ball
+
+COUNT = 400
+IOR = 1.45
+
+
+def seen(seed: int, least: float = 0.25) -> tuple[Floats, Floats]:
+    """Unit normals and viewers (N, 3), whose cosine is no less: less than half is reflected then."""
+    rng = np.random.default_rng(seed)
+    normal, viewer = (normalised(rng.normal(size=(4 * COUNT, 3))) for _ in range(2))
+    fit = np.flatnonzero((normal * viewer).sum(axis=1) > least)[:COUNT]
+    return normal[fit].astype(np.float32), viewer[fit].astype(np.float32)
+
+
+def fresnel(first: Floats, second: Floats) -> Floats:
+    """What is reflected between angles of incidence and of refraction, in radians."""
+    across = np.sin(first - second) / np.sin(first + second)
+    along = np.tan(first - second) / np.tan(first + second)
+    share: Floats = (across**2 + along**2) / 2
+    return share
+
+
+def test_a_ball_bends_rays_twice() -> None:
+    """By twice the angle between incidence and refraction, in the plane of both."""
+    normal, viewer = seen(1)
+    chief, _ = follow(field_of_ball((48, 48, 48)), BALL * normal, normal, viewer)
+    first = np.arccos((normal * viewer).sum(axis=1))
+    second = np.arcsin(np.sin(first) / IOR)
+    turned = np.arccos(np.clip((-viewer * chief.direction).sum(axis=1), -1, 1))
+    assert turned == pytest.approx(2 * (first - second), abs=0.02)
+    assert np.abs(turned - 2 * (first - second)).mean() < 8e-3
+    across = normalised(np.cross(normal, viewer))
+    assert np.abs((across * chief.direction).sum(axis=1)).max() < 0.02
+    left = (1 - fresnel(first, second)) ** 2
+    assert chief.weight == pytest.approx(left, abs=0.01)
+
+
+def test_the_second_way_is_reflected_once_within() -> None:
+    normal, viewer = seen(2)
+    _, second_way = follow(field_of_ball((48, 48, 48)), BALL * normal, normal, viewer)
+    first = np.arccos((normal * viewer).sum(axis=1))
+    second = np.arcsin(np.sin(first) / IOR)
+    reflected = fresnel(first, second)
+    wanted = (1 - reflected) ** 2 * reflected
+    bright = wanted > 0.03
+    assert bright.sum() > COUNT / 4
+    assert second_way.weight[bright] == pytest.approx(wanted[bright], abs=0.01)
+    deflection = np.cos(np.pi + 2 * first - 4 * second)  # of a rainbow's ray
+    found = (-viewer * second_way.direction).sum(axis=1)
+    assert found[bright] == pytest.approx(deflection[bright], abs=0.05)
+
+
+def plate(facts: FieldFacts) -> DistanceField:
+    """The field of a plate across z, from -0.5 to 0.5."""
+    height = facts.low[2] + facts.step * np.arange(facts.size[2])
+    values = np.zeros((*facts.size[::-1], 4), dtype=np.float32)
+    values[..., 2] = np.sign(height)[:, None, None]
+    values[..., 3] = ((np.abs(height) - 0.5) / facts.step)[:, None, None]
+    return DistanceField(values, facts)
+
+
+FACTS = FieldFacts((40, 40, 40), np.array([-1.95, -1.95, -1.95], np.float32), 0.1, 1.5, (1e-3, 5e-2), 4)
+
+
+def test_a_plate_moves_rays_aside_and_widens_them() -> None:
+    viewer = normalised(np.array([[0.3, 0.2, 1.0], [0, 0, 1.0]])).astype(np.float32)
+    offset = np.array([[0, 0, 0.5]] * 2, dtype=np.float32)
+    chief, once = follow(plate(FACTS), offset, np.array([[0, 0, 1.0]] * 2, np.float32), viewer)
+    assert chief.direction == pytest.approx(-viewer, abs=1e-5)
+    assert chief.variance == pytest.approx(2e-3)
+    inner = normalised(np.append(-viewer[0, :2] / 1.5, -np.sqrt(1 - (viewer[0, :2] ** 2).sum() / 2.25)))
+    below = offset[0] + inner / -inner[2]
+    back = chief.place[0] - chief.direction[0] * ((chief.place[0, 2] + 0.5) / chief.direction[0, 2])
+    assert back == pytest.approx(below, abs=0.02)
+    assert once.variance == pytest.approx(2e-3 + 5e-2)  # reflected within, and refracted
+
+
+def test_rays_are_lost_after_too_many_reflections() -> None:
+    """Across a plate, whose rim lies outside of the field, at an angle at which nothing gets out."""
+    field = plate(replace(FACTS, reflections=0))
+    normal, viewer = seen(3)
+    ball = field_of_ball((32, 32, 32))
+    kept = follow(ball, BALL * normal, normal, viewer)
+    lost = follow(replace(ball, facts=replace(ball.facts, reflections=0)), BALL * normal, normal, viewer)
+    assert (lost[0].weight == kept[0].weight).all()
+    assert kept[1].weight.any()
+    assert not lost[1].weight.any()
+    up = np.array([[0, 0, 1.0]], np.float32)
+    chief, once = follow(field, 0.5 * up, up, up)
+    assert chief.weight == pytest.approx(0.96**2, abs=1e-3)
+    assert not once.weight.any()
+
+
+def test_a_field_comes_back_from_its_image() -> None:
+    field = field_of_ball((9, 11, 14))
+    image = layers_beside(field)
+    assert image.shape[1::-1] == image_size(field.facts.size)
+    assert columns_of(field.facts.size) == 4
+    assert (image[:11, :9] == field.values[0]).all()
+    assert (image[11:22, 9:18] == field.values[5]).all()
+    assert (field_beside(image, field.facts).values == field.values).all()
