@@ -32,6 +32,7 @@ from radtex_addon.forms.layered.capture.surface_alone import surface_alone
 from radtex_addon.forms.layered.fit.fitting import fit_layered
 from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas
 from radtex_addon.forms.layered.samples import ExitSamples
+from radtex_addon.prepare.prepared import prepare
 from radtex_addon.report.gbuffer import Array, BakedSurface, GBuffer
 from radtex_addon.scene.mesh.render_contents import matrices_in_renders
 from radtex_addon.scene.objects import find_object
@@ -41,13 +42,12 @@ from radtex_addon.settings.spec import BakeSpec, Layout
 from ..choice import add_scene_options, chosen_scenes
 from ..methods.layered import look
 from ..metrics import compare
-from ..references import View, view_of, views
+from ..references import View, views
 from ..scenes import Stage
 from .staged import Staged, capture_staged
 
 _AGREE = 0.995  # cosine between the directions of paths that go one way
-_MODES = (1, 2, 3, 4)
-_SUBSAMPLES = 2
+_PRINTED = (1, 2, 3, 8)  # of so many ways
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +72,7 @@ def main() -> None:
     options = parser.parse_args()
     for name, build in chosen_scenes(options).items():
         stage = build()
-        seen = [view for view in views(stage, options.quick, options.tuning)]
+        seen = views(stage, options.quick, options.tuning)
         spec = BakeSpec(layout=Layout.LAYERED, texels=options.texels, samples=options.samples)
         with tempfile.TemporaryDirectory() as folder:
             staged = capture_staged(stage, spec, Path(folder))
@@ -104,7 +104,7 @@ def _measure(
     shown = np.zeros((int(hit.sum()), 3))
     for number in range(len(ways.weight)):
         shown += _shown(atlas, exits, ways, number, buffer)
-        if number + 1 in _MODES or number + 1 == len(ways.weight):
+        if number + 1 in _PRINTED:
             print(f"  {number + 1} ways: {psnr(mirrored + buffer.spread(shown)):.2f} dB", flush=True)
 
 
@@ -129,8 +129,6 @@ def _exits(stage: Stage, buffer: GBuffer, paths: int, folder: Path) -> ExitSampl
     plan = plan_of_picked(flat, np.arange(count))
     scene = cast(bpy.types.Scene, bpy.context.scene)
     kept: list[bpy.types.ID] = []
-    from radtex_addon.prepare.prepared import prepare
-
     with scratch_scene(scene, None, kept) as scratch:
         item = find_object(scratch, stage.subject.name)
         prepared = finished(
@@ -178,7 +176,8 @@ def _shown(atlas: LayeredAtlas, exits: ExitSamples, ways: _Ways, number: int, bu
     )
     offset = (buffer.position[hit] - atlas.around.middle).astype(np.float32)
     light = atlas.around.look(offset + moved, direction.astype(np.float32), ways.variance[number])
-    return (light * ways.weight[number]).T * exits.colour
+    shown: Array = (light * ways.weight[number]).T.astype(np.float64) * exits.colour
+    return shown
 
 
 if __name__ == "__main__":
