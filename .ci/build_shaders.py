@@ -188,10 +188,8 @@ class CLike:
         code, comment = _apart(text)
         if _FUNCTION.fullmatch(code):
             code = re.sub(r"\s*\n\s*", " ", code)
-        if self.language == "hlsl":
-            code = re.sub(r"^const ", "static const ", code)
-        else:
-            code = _HINT.sub("", code)
+        hlsl = self.language == "hlsl"
+        code = re.sub(r"^const ", "static const ", code) if hlsl else _HINT.sub("", code)
         if self.language == "godot":
             code = _TINY.sub("RADTEX_TINY", code)
         if code.startswith("uniform "):
