@@ -112,8 +112,8 @@ function layered(bake: Bake, material: number): Lookups {
 }
 
 function nameOf(uniform: string): string {
-  const through = /^radtex_through_(colour_range|rest_range|rest_tile)$/.exec(uniform);
-  if (through) return `radtex_exit.${through[1]}`;
+  const through = /^radtex_(?:through_(colour_range|rest_range|rest_tile)|(field_\w+))$/.exec(uniform);
+  if (through) return `radtex_exit.${through[1] ?? through[2]}`;
   const exit = /^radtex_exit_(\w+)$/.exec(uniform);
   return RENAMED[uniform] ?? (exit ? `radtex_exit.${exit[1]}` : uniform.replace("radtex_", "radtex."));
 }
