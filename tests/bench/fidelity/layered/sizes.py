@@ -10,7 +10,7 @@ from radtex_addon.forms.layered.lookup.environment import Impostor
 from .compressed import PLANE_SIZE, THINGS_SIZE
 
 _MIPS = 4 / 3  # of a texture with its smaller copies
-_BYTE, _HALF = 1.0, 0.5  # a texel of BC7 and BC6H, and of BC4
+_BYTE, _HALF, _FLOATS = 1.0, 0.5, 8.0  # a texel of BC7 and BC6H, of BC4, and of RGBA16F
 
 
 def texture_bytes(atlas: LayeredAtlas) -> int:
@@ -28,7 +28,9 @@ def texture_bytes(atlas: LayeredAtlas) -> int:
     total += _BYTE * (atlas.own.size / 4 + atlas.rest.size / 3)
     total += _HALF * sum(_pixels(image) for image in (atlas.alpha, atlas.width) if image is not None)
     if atlas.through is not None:
-        total += _BYTE * (atlas.through.ways.size / 4 + atlas.through.rest.size / 3)
+        field = atlas.through.field
+        ways = _BYTE * atlas.through.ways.size / 4 if field is None else _FLOATS * field.values.size / 4
+        total += ways + _BYTE * atlas.through.rest.size / 3
         total += _HALF * _pixels(atlas.through.colour)
     return round(total)
 
