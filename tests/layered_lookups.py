@@ -17,6 +17,7 @@ from radtex_addon.core.frame import normalised
 from radtex_addon.core.hemisphere import cell_centres, square_to_direction
 from radtex_addon.core.sampler import bilinear
 from radtex_addon.formats.sidecar import Sidecar
+from radtex_addon.forms.layered.cells import Cells
 from radtex_addon.forms.layered.files.arrangement import (
     DISTANCES,
     OF_MATERIAL,
@@ -266,6 +267,11 @@ def matt(atlas: LayeredAtlas) -> LayeredAtlas:
     return replace(atlas, materials=tuple(lobes))
 
 
+def with_rest_at_every_texel(atlas: LayeredAtlas) -> LayeredAtlas:
+    """With buckets of own light as they were, and twice as many of the rest along a side."""
+    return replace(atlas, rest=made_up_atlas(TEXELS, SIZE, Cells(2, 8, every=True)).rest)
+
+
 def of_one_lobe(atlas: LayeredAtlas) -> LayeredAtlas:
     """Without second lobes."""
     lobes = (
@@ -308,6 +314,7 @@ CASES: dict[str, Callable[[LayeredAtlas], LayeredAtlas]] = {
     "matt": matt,
     "one lobe": of_one_lobe,
     "room": in_a_room,
+    "a rest at every texel": with_rest_at_every_texel,
 }
 # One of each sort, for languages that take long to compile a case.
 USUAL = tuple(name for name in CASES if name not in ("opaque, in ranges", "parted ways"))

@@ -27,7 +27,16 @@ from radtex_addon.forms.layered.preview.osl import add_layered_osl_node
 from radtex_addon.scene.nodes import NodeBuilder, Socket
 from tests.blender.lookup_stage import ENGINES, Inputs, LookupStage, Shader, data_image
 from tests.layered.made_up import made_up_atlas, made_up_fragments
-from tests.layered_lookups import CASES, FACTS, SIZE, TEXELS, in_a_room, of_one_lobe, off
+from tests.layered_lookups import (
+    CASES,
+    FACTS,
+    SIZE,
+    TEXELS,
+    in_a_room,
+    of_one_lobe,
+    off,
+    with_rest_at_every_texel,
+)
 from tests.lookups import COUNT, SIDE, Lookups
 
 _RNG = np.random.default_rng(7)
@@ -84,6 +93,7 @@ GROUPS: dict[str, Callable[[LayeredAtlas], LayeredAtlas]] = {
     "plain": lambda atlas: atlas,
     "bare": bare_group,
     "one lobe": of_one_lobe,
+    "a rest at every texel": with_rest_at_every_texel,
     "room": lambda atlas: (
         in_a_room(atlas) if bpy.app.version >= (5, 0) else lit_from_inside(in_a_room(atlas))
     ),

@@ -16,7 +16,7 @@ from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.fragments import Fragments
 from radtex_addon.core.frame import normalised
 from radtex_addon.forms.layered.capture.panoramas import panorama_directions
-from radtex_addon.forms.layered.cells import CELLS
+from radtex_addon.forms.layered.cells import CELLS, Cells
 from radtex_addon.forms.layered.fit.bucket_grid import BucketGrid
 from radtex_addon.forms.layered.fit.own_light import Surface
 from radtex_addon.forms.layered.fit.rows import Places
@@ -35,7 +35,7 @@ from radtex_addon.forms.layered.lookup.lobes import LOBES, STEPS, Material
 BALL = 0.7  # radius of the ball that fragments lie on
 
 
-def made_up_atlas(texels: int, size: int, cells: tuple[int, int] = CELLS[0]) -> LayeredAtlas:
+def made_up_atlas(texels: int, size: int, cells: Cells = CELLS[0]) -> LayeredAtlas:
     """With buckets of texels / 2, colours of 4 texels and pictures of `size` cells along their sides.
 
     Buckets of what the object shows of itself and of the rest have so many `cells`.
@@ -63,8 +63,8 @@ def made_up_atlas(texels: int, size: int, cells: tuple[int, int] = CELLS[0]) -> 
         variance = np.array([[narrow], [wide]]) * np.linspace(0.7, 1.3, STEPS)
         materials.append(Material(weight.astype(np.float32), variance.astype(np.float32), bend * narrow * 20))
     half = texels // 2
-    uv = np.stack(np.meshgrid(*[(np.arange(half) + 0.5) / half] * 2), axis=-1).reshape(-1, 2)
-    own = _buckets(rng, uv, cells[0], 4)
+    uv = _middles(half)
+    own = _buckets(rng, uv, cells.own, 4)
     own[..., 3] = np.clip(own[..., 3] * 3 - 1, 0, 1)
     return LayeredAtlas(
         colour=_image(rng, 4 * texels, 3),
@@ -76,7 +76,7 @@ def made_up_atlas(texels: int, size: int, cells: tuple[int, int] = CELLS[0]) -> 
         around=around,
         materials=tuple(materials),
         own=own,
-        rest=_buckets(rng, uv, cells[1], 3) * 0.4 - 0.2,
+        rest=_buckets(rng, _middles(texels if cells.every else half), cells.rest, 3) * 0.4 - 0.2,
     )
 
 
@@ -140,6 +140,12 @@ def white_surface(plan: CapturePlan, around: Around, free: Floats, **other: Any)
         "materials": (),
     }
     return Surface(BucketGrid.of(plan, 1), around=around, free=free, **parts | other)
+
+
+def _middles(side: int) -> Floats:
+    """Texture coordinates of the middles of side x side texels, row by row."""
+    along = (np.arange(side) + 0.5) / side
+    return np.stack(np.meshgrid(along, along), axis=-1).reshape(-1, 2)
 
 
 def _waves(rng: np.random.Generator, place: Floats, channels: int) -> Floats:

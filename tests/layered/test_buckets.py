@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import tracemalloc
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -31,17 +32,28 @@ from tests.layered.made_up import flat_plan, light_samples, places_of, white_sur
 from tests.layered.test_layered import SIDE, flat_samples
 
 
-def _fitted(waves: float, hit: Bools | None = None, parts: Parts = ALL_PARTS) -> FittedBuckets:
-    """Of a flat square that mirrors nothing of what is known, and shows waves over the mirror direction."""
+def _fitted(
+    waves: float,
+    hit: Bools | None = None,
+    parts: Parts = ALL_PARTS,
+    each: Floats | None = None,
+    texels: int = 1,
+) -> FittedBuckets:
+    """Of a flat square that mirrors nothing of what is known, and shows waves over the mirror direction.
+
+    `each` (SIDE²,): what its texels' light is multiplied by. `texels` x `texels` of them share a bucket.
+    """
     plan = flat_plan(SIDE, 16)
     square = Aim(spread_shifts(SIDE * SIDE, 3)).square(16)
     axis = mirrored(plan, square)
     light = (1 + 0.6 * np.sin(waves * axis[..., :1]) * np.sin(waves * axis[..., 1:2])).repeat(3, axis=2)
     noise = 1 + 0.2 * np.random.default_rng(7).normal(size=light.shape)
-    samples = light_samples(plan, square, mirrored=light * noise)
+    by_texel = 1 if each is None else each[:, None, None]
+    samples = light_samples(plan, square, mirrored=light * noise * by_texel)
     rays = flat_samples(16)
     hit = np.zeros(rays.used.shape, dtype=bool) if hit is None else hit
-    free = free_share(rays, hit, BucketGrid.of(plan, 1), 14)
+    grid = BucketGrid.of(plan, texels)
+    free = free_share(rays, hit, grid, 14)
     nothing = Material(
         np.zeros((LOBES, STEPS, 3)), np.full((LOBES, STEPS), 0.1), np.zeros(STEPS, dtype=np.float32)
     )
@@ -49,7 +61,7 @@ def _fitted(waves: float, hit: Bools | None = None, parts: Parts = ALL_PARTS) ->
     grey = Pictures.of(direction, np.ones((*direction.shape[:2], 3)), 16)
     around = Around(np.zeros(3, np.float32), grey, (), ())
     black = np.zeros((len(plan.texel), 3), np.float32)
-    surface = white_surface(plan, around, free, diffuse=black, materials=(nothing,))
+    surface = replace(white_surface(plan, around, free, diffuse=black, materials=(nothing,)), grid=grid)
     met = np.zeros(np.count_nonzero(hit), np.int32)
     own = OwnRays(rays, hit, met, np.zeros((len(met), 3), np.float32))
     return fit_buckets(surface, own, samples, samples.seen, parts)
@@ -76,11 +88,20 @@ def test_what_is_shown_as_well_without_its_own_light_has_none(hit: int | None) -
     assert (found.free == 1).all()
 
 
-def test_there_is_no_choice_where_the_object_mirrors_itself_or_none_is_wanted() -> None:
+def test_an_object_that_mirrors_much_of_itself_has_a_choice_too_unless_none_is_wanted() -> None:
     half = np.zeros((SIDE * SIDE, 256), dtype=bool)
     half[:, ::2] = True
-    assert _fitted(waves=9, hit=half).rest_cells == 8
-    assert _fitted(waves=9, parts=Parts(cells=False)).rest_cells == 8
+    assert _fitted(waves=9, hit=half).rest_cells == 14
+    assert _fitted(waves=9, hit=half, parts=Parts(cells=False)).rest_cells == 8
+
+
+def test_what_changes_within_few_texels_has_a_rest_at_each() -> None:
+    waves = 1 + 0.8 * np.sin(2 * np.pi * (np.arange(SIDE * SIDE) % SIDE) / 5)
+    found = _fitted(waves=1, hit=_each(20), each=waves, texels=2)
+    assert found.rest.shape == (3, SIDE * SIDE, 64)
+    assert not found.own.any(), "what it shows of itself is in the rest, too"
+    assert np.corrcoef(found.rest.mean(axis=(0, 2)), waves)[0, 1] > 0.9
+    assert _fitted(waves=9, hit=_each(20), texels=2).rest.shape == (3, (SIDE // 2) ** 2, 14**2)
 
 
 CELLS, SAMPLES = 6, 32

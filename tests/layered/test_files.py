@@ -16,6 +16,7 @@ import pytest
 from radtex_addon.core.errors import BakeError, FormatError, ShapeError
 from radtex_addon.formats.containers.exr import Compression
 from radtex_addon.formats.sidecar import Sidecar
+from radtex_addon.forms.layered.cells import HOLLOW
 from radtex_addon.forms.layered.files.arrangement import arranged, packed, tiled, unpacked, untiled
 from radtex_addon.forms.layered.files.layered_files import read_layered, write_layered
 from radtex_addon.forms.layered.files.sidecar import MOST_MATERIALS, LayeredSidecar
@@ -59,6 +60,15 @@ def test_what_a_bake_lacks_has_no_file(atlas: LayeredAtlas, tmp_path: Path) -> N
     assert not found.around.layers
     assert not found.around.lamps
     assert found.through is None
+
+
+def test_the_rest_may_be_finer_than_own_light(tmp_path: Path) -> None:
+    path, atlas = tmp_path / "Vase.radiance.json", made_up_atlas(16, 64, HOLLOW)
+    assert write_layered(path, atlas, _BAKE, half=False).shapes["rest"] == (128, 128, 3)
+    found, facts = read_layered(path)
+    assert (facts.coarse, facts.rest) == ((8, 8), (16, 16))
+    np.testing.assert_array_equal(found.rest, atlas.rest)
+    assert facts.larger(2, 1).shapes["rest"] == (256, 256, 3)
 
 
 def test_a_map_of_widths_may_be_as_coarse_as_the_irradiance_as_earlier_ones_are(

@@ -191,7 +191,7 @@ def _most_shapes(texels: int) -> Shapes:
     sizes[IRRADIANCE] = (texels, texels)
     sizes |= dict.fromkeys(PICTURES, packed_size(PICTURE_SIZE, level_count(PICTURE_SIZE)))
     sizes |= {DISTANCES: (DISTANCE_CELLS,) * 2, THROUGH_COLOUR: (side, side)}
-    tiles = {OWN: CELLS[0][0], REST: CELLS[0][1], THROUGH_REST: THROUGH_CELLS}
+    tiles = {OWN: CELLS[0].own, REST: CELLS[0].rest, THROUGH_REST: THROUGH_CELLS}
     tiles |= dict.fromkeys((EXIT_DIRECTION, EXIT_PLACE), EXIT_CELLS)
     sizes |= {name: (cells * coarse[0], cells * coarse[1]) for name, cells in tiles.items()}
     sizes[FIELD] = image_size((FIELD_SAMPLES,) * 3)

@@ -241,7 +241,8 @@ def bake_values(sidecar: LayeredSidecar, stored: Mapping[str, Stored], cost: Loo
         if layer == FIELD:
             values |= _field_values(sidecar)
         if cells > 1 and layer != EXIT_PLACE:
-            values["radtex_exit_tile" if layer == EXIT_DIRECTION else f"radtex_{layer}_tile"] = _tile(sidecar)
+            size = sidecar.rest if layer == REST else sidecar.coarse
+            values["radtex_exit_tile" if layer == EXIT_DIRECTION else f"radtex_{layer}_tile"] = _tile(size)
     if WORLD in layers:
         values["radtex_middle"] = _row([*sidecar.middle, 0])
         for layer, picture in sidecar.pictures.items():
@@ -361,9 +362,9 @@ def _cells(sidecar: LayeredSidecar, layer: str) -> int:
     return cells.get(layer, 1)
 
 
-def _tile(sidecar: LayeredSidecar) -> list[float]:
+def _tile(size: tuple[int, int]) -> list[float]:
     """The size of a tile's texels without padding, and half a texel, in units of a padded tile."""
-    (width, height), (columns, rows) = sidecar.coarse, padded_size(sidecar.coarse)
+    (width, height), (columns, rows) = size, padded_size(size)
     return _row([width / columns, height / rows, 0.5 / columns, 0.5 / rows])
 
 

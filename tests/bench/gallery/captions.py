@@ -46,9 +46,8 @@ CAPTIONS = {
     "inter_reflection": Caption(
         "Inter-reflection",
         "A copper bowl that lights and mirrors itself, in up to twelve bounces.",
-        "The default is 3 dB worse here than buckets: what a hollow mirrors of itself is coarse in it. "
-        "There are pale blotches on the far wall, and the sheen is a little too orange. The warm glow in the "
-        "ground, which only bounced light makes, is there.",
+        "The sheen is soft and without blotches, and the warm glow in the ground, which only bounced light "
+        "makes, is there.",
     ),
     "refraction": Caption(
         "Refraction",

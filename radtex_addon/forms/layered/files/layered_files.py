@@ -106,7 +106,7 @@ def atlas_of(images: dict[str, Floats], facts: LayeredSidecar) -> LayeredAtlas:
         around=Around(facts.middle, pictures[WORLD], tuple(layers), facts.lamps),
         materials=facts.materials,
         own=untiled(images[OWN], facts.own_cells, facts.coarse),
-        rest=untiled(images[REST], facts.rest_cells, facts.coarse),
+        rest=untiled(images[REST], facts.rest_cells, facts.rest),
         through=None
         if through is None
         else through_of(images, through.exits, through.rest, facts.coarse, through.field),

@@ -100,17 +100,19 @@ class LayeredSidecar:
     `bake` holds the facts of every layout: `width` x `height` texels of the irradiance, and as `bucket` the
     most cells that buckets can have. `colour` is the size of the maps of the material, `width` that of the
     lobes' widths, which may be as coarse as the irradiance; `coarse` tells how many texels have buckets, of
-    `own_cells` x `own_cells` and `rest_cells` x `rest_cells` cells. `distances` are the cells along the side
-    of that map, `nearness` its mean, 0 without, and `things_eye` (3,) whence it is seen, from the middle; in
-    a room things lie in `boxes` (n, 2, 3). Falloffs (STEPS, 3) are by material, as are the lobes; so are
-    `looks`, which tell how materials are shown by their own images, empty if none is. Unless an object
-    `mirrors_itself`, its buckets of own light are (0, 0, 0, 1) everywhere.
+    `own_cells` x `own_cells` and `rest_cells` x `rest_cells` cells, and `rest` how many have those of the
+    rest. `distances` are the cells along the side of that map, `nearness` its mean, 0 without, and
+    `things_eye` (3,) whence it is seen, from the middle; in a room things lie in `boxes` (n, 2, 3). Falloffs
+    (STEPS, 3) are by material, as are the lobes; so are `looks`, which tell how materials are shown by their
+    own images, empty if none is. Unless an object `mirrors_itself`, its buckets of own light are (0, 0, 0, 1)
+    everywhere.
     """
 
     bake: Sidecar
     colour: tuple[int, int]
     width: tuple[int, int]
     coarse: tuple[int, int]
+    rest: tuple[int, int]
     own_cells: int
     rest_cells: int
     middle: Floats
@@ -154,6 +156,7 @@ class LayeredSidecar:
             colour=(atlas.colour.shape[1], atlas.colour.shape[0]),
             width=(bake.width, bake.height) if wide is None else (wide.shape[1], wide.shape[0]),
             coarse=(atlas.own.shape[1], atlas.own.shape[0]),
+            rest=(atlas.rest.shape[1], atlas.rest.shape[0]),
             own_cells=atlas.own.shape[2],
             rest_cells=atlas.rest.shape[2],
             middle=atlas.around.middle,
@@ -184,14 +187,14 @@ class LayeredSidecar:
         bake = self.bake
         sizes = dict.fromkeys((COLOUR, TINT, NORMAL, ALPHA), self.colour)
         sizes |= {IRRADIANCE: (bake.width, bake.height), WIDTH: self.width}
-        sizes |= {OWN: self._tiles(self.own_cells), REST: self._tiles(self.rest_cells)}
+        sizes |= {OWN: _tiles(self.coarse, self.own_cells), REST: _tiles(self.rest, self.rest_cells)}
         sizes |= {name: packed_size(found.size, found.levels) for name, found in self.pictures.items()}
         sizes[DISTANCES] = (self.distances, self.distances)
         if self.through is not None:
-            sizes |= dict.fromkeys((EXIT_DIRECTION, EXIT_PLACE), self._tiles(self.through.exits))
+            sizes |= dict.fromkeys((EXIT_DIRECTION, EXIT_PLACE), _tiles(self.coarse, self.through.exits))
             if self.through.field is not None:
                 sizes[FIELD] = image_size(self.through.field.size)
-            sizes |= {THROUGH_COLOUR: self.coarse, THROUGH_REST: self._tiles(self.through.rest)}
+            sizes |= {THROUGH_COLOUR: self.coarse, THROUGH_REST: _tiles(self.coarse, self.through.rest)}
         return {name: (*sizes[name], CHANNELS[name]) for name in bake.layers}
 
     @property
@@ -220,6 +223,7 @@ class LayeredSidecar:
             colour=(self.colour[0] * texels, self.colour[1] * texels),
             width=(self.width[0] * texels, self.width[1] * texels),
             coarse=(self.coarse[0] * texels, self.coarse[1] * texels),
+            rest=(self.rest[0] * texels, self.rest[1] * texels),
             own_cells=self.own_cells * cells,
             rest_cells=self.rest_cells * cells,
         )
@@ -230,6 +234,7 @@ class LayeredSidecar:
             "colour": list(self.colour),
             **({"width": list(self.width)} if WIDTH in self.bake.layers else {}),
             "coarse": list(self.coarse),
+            **({} if self.rest == self.coarse else {"rest": list(self.rest)}),
             "own_cells": self.own_cells,
             "rest_cells": self.rest_cells,
             **({} if self.mirrors_itself else {"mirrors_itself": False}),
@@ -310,6 +315,7 @@ class LayeredSidecar:
             colour=layered.size("colour"),
             width=layered.size("width") if "width" in layered.values else (bake.width, bake.height),
             coarse=layered.size("coarse"),
+            rest=layered.size("rest" if "rest" in layered.values else "coarse"),
             own_cells=layered.whole_number("own_cells", 2, 256),
             rest_cells=layered.whole_number("rest_cells", 2, 256),
             middle=_vector(layered, "middle"),
@@ -349,10 +355,6 @@ class LayeredSidecar:
                 there.add(FIELD)
         return tuple(name for name in CHANNELS if name in there)
 
-    def _tiles(self, cells: int) -> tuple[int, int]:
-        width, height = padded_size(self.coarse)
-        return cells * width, cells * height
-
     def numbers(self) -> list[Floats]:
         """All numbers that must be finite."""
         found = [self.middle, self.falloff]
@@ -371,6 +373,12 @@ class LayeredSidecar:
             field = self.through.field
             found += [field.low, np.array([field.step, field.ior, *field.widths])]
         return [*found, self.things_eye, self.boxes]
+
+
+def _tiles(size: tuple[int, int], cells: int) -> tuple[int, int]:
+    """Width and height of the image of buckets of width x height texels."""
+    width, height = padded_size(size)
+    return cells * width, cells * height
 
 
 def _picture(pictures: Pictures) -> OctahedralPicture:

@@ -127,9 +127,9 @@ class BucketGrid:
         enough = np.searchsorted(np.cumsum(count[drawn]), max(len(self) // _PART, _LEAST_PART)) + 1
         if enough >= len(drawn):
             return self
-        return self._of_some(np.isin(patch.ravel(), drawn[:enough]))
+        return self.of_some(np.isin(patch.ravel(), drawn[:enough]))
 
-    def _of_some(self, chosen: Bools) -> BucketGrid:
+    def of_some(self, chosen: Bools) -> BucketGrid:
         """Those buckets that are `chosen` (B,)."""
         texels = chosen[self.bucket]
         first = np.concatenate([[0], np.cumsum(np.diff(self.first)[chosen])])
@@ -141,6 +141,11 @@ class BucketGrid:
             place=self.place[chosen],
             neighbours=self.neighbours.of(plan_of_some(self.neighbours.plan, chosen)),
         )
+
+    def of_texels(self) -> BucketGrid:
+        """The grid in which each of these texels has a bucket of its own."""
+        grid, inside = BucketGrid.of(self.plan, 1), self.bucket >= 0
+        return grid if inside.all() else grid.of_some(inside)
 
     def in_blocks(
         self, function: Callable[[Block], _Result], samples: int, at_once: int = SAMPLES_AT_ONCE

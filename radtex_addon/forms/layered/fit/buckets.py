@@ -3,9 +3,10 @@
 """The buckets of what is mirrored: what the object shows of itself, what it leaves free, and the rest.
 
 An object that shows itself in its mirrors needs many cells for that; one that hardly does has more of many
-cells for the rest. Both take as many bytes: samples that neither was fitted to choose between them. One whose
-samples are told as well without has nothing of itself in its mirrors, and lookups need not read that. What
-is left free is kept as a picture, blurred as wide as its cells: see `lookup.lobes`.
+cells for the rest; and one that lights itself by many bounces, as a bowl does inside, has more of a rest at
+every texel, and of no own light. All take as many bytes: samples that none was fitted to choose between them.
+One whose samples are told as well without has nothing of itself in its mirrors, and lookups need not read
+that. What is left free is kept as a picture, blurred as wide as its cells: see `lookup.lobes`.
 """
 
 from __future__ import annotations
@@ -20,8 +21,10 @@ from ....bake.blocks import planes
 from ....bake.light_samples import LightSamples, LobeSamples
 from ....core import large_arrays
 from ....core.arrays import Bools, Floats
+from ....core.atlas import AtlasLayout
 from ....core.colour_spaces import LUMINANCE
-from ..cells import CELLS, CLEAR
+from ....settings.rays import coarser
+from ..cells import CELLS, CLEAR, HOLLOW, Cells
 from ..lookup.atlas import lobes_light
 from ..lookup.lobes import shown_at
 from ..samples import OwnRays
@@ -33,8 +36,7 @@ from .rows import Places, halved, random_half
 from .turned import mirrored_about, octahedral
 
 _PRIOR = 0.0125  # of a cell's rays: the wider neighbourhood's count for that many
-_MIRRORS_ITSELF = 0.25  # share of mirror rays that meet the object, from which on there is no choice, …
-_LITTLE = 0.02  # … below which it may mirror nothing of itself, by the samples, and …
+_LITTLE = 0.02  # share of mirror rays that meet the object, below which it may mirror nothing, by samples, …
 _NONE = 1e-3  # … below which it does not
 _TELLS = 1e-3  # of the samples' error: by how much own light must lessen it to be worth its fetches
 _SEED = 2
@@ -87,11 +89,15 @@ ALL_PARTS = Parts()
 
 @dataclass(frozen=True, eq=False)
 class FittedBuckets:
-    """By bucket and cell: `own` light (3, B, n*n), the share left `free` (1, B, n*n), `rest` (3, B, m*m)."""
+    """By bucket and cell: `own` light (3, B, n*n), the share left `free` (1, B, n*n), `rest` (3, B', m*m).
+
+    The rest is in buckets of the `rest_grid`.
+    """
 
     own: Floats
     free: Floats
     rest: Floats
+    rest_grid: BucketGrid
 
     @property
     def rest_cells(self) -> int:
@@ -106,24 +112,26 @@ def fit_buckets(
         surface, own, own_light(surface, own) if parts.own else None, light, used,
         Places(used.shape), mean_brightness(light.mirrored, used),
     )  # fmt: skip
-    choices = _choices(own, parts) if known is None else (known.cells,)
-    of_own, cells = choices[0] if len(choices) == 1 else fit.best(choices)
-    model = fit.model(surface.grid, of_own)
+    choices = _choices(own, parts, surface.plan.layout) if known is None else (known.cells,)
+    cells = choices[0] if len(choices) == 1 else fit.best(choices)
+    model = fit.model(surface.grid, cells.own)
     (shown,) = fit.shown([model])
-    rest: Floats = large_arrays.zeros((3, len(surface.grid), cells * cells))
+    grid = fit.rest_grid(surface.grid, cells)
+    rest: Floats = large_arrays.zeros((3, len(grid), cells.rest**2))
     if parts.rest:
-        rest = fit.rest(model, shown, used, cells, 1.0 if known is None else known.share)
-    return FittedBuckets(model.own, model.free, rest)
+        rest = fit.rest(grid, shown, used, cells.rest, 1.0 if known is None else known.share)
+    return FittedBuckets(model.own, model.free, rest, grid)
 
 
-def _choices(own: OwnRays, parts: Parts) -> Sequence[tuple[int, int]]:
+def _choices(own: OwnRays, parts: Parts, layout: AtlasLayout) -> Sequence[Cells]:
     """The numbers of cells between which samples choose."""
     share = own.hit.mean()
-    if not (parts.cells and parts.rest) or share >= _MIRRORS_ITSELF:
+    if not (parts.cells and parts.rest):
         return CELLS[:1]
-    if share >= _LITTLE:
-        return CELLS
-    return CLEAR if share < _NONE else (*CELLS, *CLEAR)
+    if share < _LITTLE:
+        return CLEAR if share < _NONE else (*CELLS, *CLEAR)
+    by_four = coarser(max(layout.width, layout.height)) == 2  # else a bucket for each texel takes more bytes
+    return (*CELLS, HOLLOW) if by_four else CELLS
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,14 +159,14 @@ class _Fit:
     place: Places
     level: np.float32
 
-    def best(self, choices: Sequence[tuple[int, int]]) -> tuple[int, int]:
+    def best(self, choices: Sequence[Cells]) -> Cells:
         """The numbers of cells that show a part of the buckets best."""
         part = self.surface.grid.part
         half = random_half(self.used.shape, _SEED)
-        models = {cells: self.model(part, cells) for cells, _ in choices}
+        models = {cells: self.model(part, cells) for cells in dict.fromkeys(each.own for each in choices)}
         shown = dict(zip(models, self.shown(list(models.values())), strict=True))
-        judge = shown[choices[0][0]]
-        errors = [self.error(models[own], shown[own], cells, half, judge) for own, cells in choices]
+        judge = shown[choices[0].own]
+        errors = [self.error(part, each, shown[each.own], half, judge) for each in choices]
         handicap = [1.0 if choice in CLEAR else 1 + _TELLS for choice in choices]
         return choices[int(np.argmin(np.multiply(errors, handicap)))]
 
@@ -209,19 +217,24 @@ class _Fit:
         grid.in_blocks(look, each)
         return shown
 
-    def rest(self, model: _Model, shown: Floats, used: Bools, cells: int, share: float = 1.0) -> Floats:
-        """What the model lacks of those samples that are `used` (K, S): (3, B, cells * cells)."""
-        return fit_rest(self.place, self.light.mirrored, used, shown, model.grid, cells, self.level, share)
+    def rest_grid(self, grid: BucketGrid, cells: Cells) -> BucketGrid:
+        """The buckets of the rest, of the texels of a grid of buckets of own light."""
+        return grid.of_texels() if cells.every else grid
 
-    def error(self, model: _Model, shown: Floats, cells: int, half: Bools, judge: Floats) -> float:
-        """The sum of weighted squares of errors in the model's samples that are not in `half`.
+    def rest(self, grid: BucketGrid, shown: Floats, used: Bools, cells: int, share: float = 1.0) -> Floats:
+        """What a model lacks that has `shown` (3, K, S) of samples that are `used`: (3, B, cells * cells)."""
+        return fit_rest(self.place, self.light.mirrored, used, shown, grid, cells, self.level, share)
 
-        Of a rest that is fitted to that half. Weights are by what `judge` (3, K, S) shows; above some
-        brightness, samples count as no brighter.
+    def error(self, part: BucketGrid, cells: Cells, shown: Floats, half: Bools, judge: Floats) -> float:
+        """The sum of weighted squares of errors in samples of the texels of `part` that are not in `half`.
+
+        Of a rest that is fitted to that half, and added to what a model has `shown`. Weights are by what
+        `judge` (3, K, S) shows; above some brightness, samples count as no brighter.
         """
-        grid, light, most = model.grid, self.light.mirrored, np.float32(BRIGHTEST * self.level)
+        grid, light = self.rest_grid(part, cells), self.light.mirrored
+        most = np.float32(BRIGHTEST * self.level)
         fitted = large_arrays.from_blocks(len(half), lambda some: self.used[some] & half[some], _ROWS)
-        rest = self.rest(model, shown, fitted, cells)
+        rest = self.rest(grid, shown, fitted, cells.rest)
 
         def squares(block: Block) -> float:
             some = block.texels

@@ -64,7 +64,7 @@ def fit_layered(
     del facing
     yield Progress(Stage.FIT, 1, _STEPS)
     own = capture.own  # its rays were traced about the mesh's normals, whatever the shading normals
-    free = free_share(own.rays, own.hit, grid, CELLS[0][0])
+    free = free_share(own.rays, own.hit, grid, CELLS[0].own)
     yield Progress(Stage.FIT, 2, _STEPS)
     if capture.alone is not None:
         if capture.passing:
@@ -72,7 +72,7 @@ def fit_layered(
         elif own.misled is None:
             alone = free
         else:
-            alone = free_share(own.rays, own.meets, grid, CELLS[0][0])
+            alone = free_share(own.rays, own.meets, grid, CELLS[0].own)
         paths = _open_paths(capture, capture.alone, normal, alone, grid)
         vary = parts.widths and normal_map is None  # normals that vary in a texel would count as roughness
         glossy = mean_colours(capture.material, capture.coarse["glossy"], plan) if parts.tint else None
@@ -95,7 +95,7 @@ def fit_layered(
     rest = found.rest
     if parts.rest:
         cells = found.rest_cells
-        more = view_dependence(light, _alike(used, capture.light_map), surface, cells)
+        more = view_dependence(light, _alike(used, capture.light_map), surface, found.rest_grid, cells)
         if more is not None:
             rest += more
     yield Progress(Stage.FIT, 4, _STEPS)
@@ -111,7 +111,7 @@ def fit_layered(
         around=around,
         materials=materials,
         own=grid.placed(found.own, found.free),
-        rest=grid.placed(rest),
+        rest=found.rest_grid.placed(rest),
         through=through,
         alpha=capture.alpha,
     )

@@ -11,6 +11,7 @@ import numpy as np
 from ....bake.plan import CapturePlan
 from ....core.arrays import Floats
 from ....core.sampler import bilinear
+from ..cells import Cells
 from ..lookup.atlas import LayeredAtlas
 from .texel_maps import texel_middles
 
@@ -23,9 +24,10 @@ class Known:
     share: float
 
     @property
-    def cells(self) -> tuple[int, int]:
-        """Cells along the side of its buckets: of what the object shows of itself, and of the rest."""
-        return self.atlas.own.shape[2], self.atlas.rest.shape[2]
+    def cells(self) -> Cells:
+        """The cells of its buckets."""
+        own, rest = self.atlas.own, self.atlas.rest
+        return Cells(own.shape[2], rest.shape[2], own.shape[:2] != rest.shape[:2])
 
     def widths(self, plan: CapturePlan) -> Floats:
         """What lobes' width² is multiplied by in each of the plan's texels, (K,) float32."""

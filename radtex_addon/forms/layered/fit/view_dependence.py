@@ -93,8 +93,10 @@ def pooled(neighbours: Neighbours, values: Floats) -> Floats:
     return large_arrays.from_blocks(len(values), lambda some: sums[some, :-1] / sums[some, -1:], _AT_ONCE)
 
 
-def view_dependence(light: LightSamples, used: Bools, surface: Surface, cells: int) -> Floats | None:
-    """What diffuse samples have beyond the surface's diffuse light: (3, B, cells * cells).
+def view_dependence(
+    light: LightSamples, used: Bools, surface: Surface, onto: BucketGrid, cells: int
+) -> Floats | None:
+    """What diffuse samples have beyond the surface's diffuse light, in buckets `onto`: (3, B, cells * cells).
 
     By the mirror direction about the shading normals. `used` (K, S): which samples count. None where
     harmonics of half of the samples do not predict the other half, in a part of the buckets.
@@ -117,7 +119,7 @@ def view_dependence(light: LightSamples, used: Bools, surface: Surface, cells: i
     if _gain(direction, values, used, half, found, grid.part) <= 0:
         return None
     found = fit_harmonics(direction, values, _shares(used, None), grid, _RIDGE)
-    return _by_mirror_direction(grid, found, surface.normal, cells)
+    return _by_mirror_direction(grid, found, surface.normal, onto, cells)
 
 
 def _shares(used: Bools, half: Bools | None) -> Floats:
@@ -145,11 +147,14 @@ def _gain(
     return sum(grid.in_blocks(gain, used.shape[1], _AT_ONCE))
 
 
-def _by_mirror_direction(grid: BucketGrid, found: Floats, normal: Floats, cells: int) -> Floats:
+def _by_mirror_direction(
+    grid: BucketGrid, found: Floats, normal: Floats, onto: BucketGrid, cells: int
+) -> Floats:
+    """Coefficients (B, 9, 3) of a grid's buckets, in cells of buckets of the same texels, `onto`."""
     plan, axis = grid.plan, cell_directions(cells).astype(np.float32)
     frame = [field.reshape(-1, 3)[: len(plan.texel)] for field in (plan.tangent, plan.bitangent, plan.normal)]
 
-    by_cell: Floats = large_arrays.empty((3, len(grid), cells * cells))
+    by_cell: Floats = large_arrays.empty((3, len(onto), cells * cells))
 
     def look(block: Block) -> None:
         some = block.texels
@@ -160,7 +165,7 @@ def _by_mirror_direction(grid: BucketGrid, found: Floats, normal: Floats, cells:
         local /= np.maximum(np.linalg.norm(local, axis=-1, keepdims=True), 1e-6)
         coefficients = found[grid.bucket[some]]
         told: Floats = np.einsum("kma,kac->ckm", basis(local), coefficients, optimize=True)
-        by_cell[:, block.buckets] = grid.means(block, told)
+        by_cell[:, block.buckets] = onto.means(block, told)
 
-    grid.in_blocks(look, len(axis))
+    onto.in_blocks(look, len(axis))
     return by_cell

@@ -215,7 +215,7 @@ def _mirrored_group(
     The inputs named `shaded` are those of `around_group`.
     """
     own = buckets_group("Own", images[OWN], facts.own_cells, facts.coarse)
-    rest = buckets_group("Rest", images[REST], facts.rest_cells, facts.coarse)
+    rest = buckets_group("Rest", images[REST], facts.rest_cells, facts.rest)
     lobe = _lobe_group(around, facts.own_cells, shaded)
     build, inputs = open_group(
         "RadTex Mirrored",
