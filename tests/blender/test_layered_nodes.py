@@ -27,7 +27,7 @@ from radtex_addon.forms.layered.preview.osl import add_layered_osl_node
 from radtex_addon.scene.nodes import NodeBuilder, Socket
 from tests.blender.lookup_stage import ENGINES, Inputs, LookupStage, Shader, data_image
 from tests.layered.made_up import made_up_atlas, made_up_fragments
-from tests.layered_lookups import CASES, FACTS, SIZE, TEXELS, in_a_room, of_one_lobe, off
+from tests.layered_lookups import CASES, FACTS, SIZE, TEXELS, brushed, in_a_room, of_one_lobe, off
 from tests.lookups import COUNT, SIDE, Lookups
 
 _RNG = np.random.default_rng(7)
@@ -80,6 +80,12 @@ def unfurnished(room: LayeredAtlas) -> LayeredAtlas:
     return replace(room, around=replace(room.around, layers=room.around.layers[:1]))
 
 
+def brushed_group(atlas: LayeredAtlas) -> LayeredAtlas:
+    """Brushed metal above a plane, with no more lamps than the stack of Blender 4.5 holds."""
+    whole = brushed(atlas)
+    return unfurnished(replace(whole, around=replace(whole.around, lamps=whole.around.lamps[:3])))
+
+
 GROUPS: dict[str, Callable[[LayeredAtlas], LayeredAtlas]] = {
     "plain": lambda atlas: atlas,
     "bare": bare_group,
@@ -87,6 +93,7 @@ GROUPS: dict[str, Callable[[LayeredAtlas], LayeredAtlas]] = {
     "room": lambda atlas: (
         in_a_room(atlas) if bpy.app.version >= (5, 0) else lit_from_inside(in_a_room(atlas))
     ),
+    "brushed": brushed_group,
     "walls": lambda atlas: unfurnished(in_a_room(atlas)),
     "all": lambda atlas: clear_group(with_maps(atlas)) if SHOWS_THROUGH else with_maps(atlas),
 }
@@ -161,7 +168,10 @@ def test_the_curves_are_in_the_blend(plain: LayeredAtlas, tmp_path: Path) -> Non
     assert tuple(image.size) == (16, 12)
 
 
-SHOWN = ("everything", "parted ways", "made up", "things alone", "clear", "bare", "matt", "one lobe", "room")
+SHOWN = (
+    "everything", "parted ways", "made up", "things alone", "clear", "bare", "matt", "one lobe", "room",
+    "brushed",
+)  # fmt: skip
 NARROW = "narrow"
 WORST = 1e-3
 MATERIAL = 1

@@ -311,6 +311,7 @@ def packed(values: Values, layout: Mapping[str, int]) -> Floats:
         ("matt", ""),
         ("one lobe", ""),
         ("room", ""),
+        ("brushed", ""),
     ],
 )
 def test_the_layered_layout_agrees_with_the_reference(

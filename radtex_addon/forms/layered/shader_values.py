@@ -31,6 +31,7 @@ from .files.arrangement import (
     OWN,
     PLANE,
     REST,
+    TANGENT,
     THINGS,
     THROUGH_COLOUR,
     THROUGH_REST,
@@ -47,11 +48,11 @@ from .lookup.lobes import STEPS, Material
 
 Values = dict[str, list[float] | list[list[float]]]
 
-_OF_MIRRORS = (TINT, WIDTH, OWN)  # read only where a material has lobes
+_OF_MIRRORS = (TINT, WIDTH, TANGENT, OWN)  # read only where a material has lobes
 _SURROUNDINGS = (WORLD, PLANE, THINGS, DISTANCES)
 _COLOURS = (COLOUR, TINT, OWN, PLANE, THINGS, THROUGH_COLOUR)  # in blocks they are coded as sRGB
 _UNDECODED = (PixelFormat.BC3, PixelFormat.BC7)
-_OPTIONAL = (TINT, NORMAL, WIDTH, ALPHA, PLANE, THINGS)  # defined by their names
+_OPTIONAL = (TINT, NORMAL, WIDTH, ALPHA, TANGENT, PLANE, THINGS)  # defined by their names
 
 
 @dataclass(frozen=True)
@@ -94,7 +95,8 @@ class LookupCost:
 # The uniforms of the buffers that HLSL and WGSL declare, in order, and how many vectors each has.
 BAKE_BUFFER = {
     "radtex_middle": 1,
-    **{f"radtex_{layer}_range": 1 for layer in (COLOUR, IRRADIANCE, TINT, NORMAL, WIDTH, ALPHA, OWN, REST)},
+    **{f"radtex_{layer}_range": 1 for layer in (COLOUR, IRRADIANCE, TINT, NORMAL, WIDTH, ALPHA, TANGENT)},
+    **{f"radtex_{layer}_range": 1 for layer in (OWN, REST)},
     "radtex_own_tile": 1,
     "radtex_rest_tile": 1,
     **{f"radtex_{layer}_range": 1 for layer in _SURROUNDINGS},
@@ -111,7 +113,7 @@ BAKE_BUFFER = {
     "radtex_lamp_across": MOST_LAMPS,
     "radtex_lamp_up": MOST_LAMPS,
 }
-MATERIAL_BUFFER = {"radtex_material": STEPS, "radtex_lobes": 2 * STEPS, "radtex_gloss": 1}
+MATERIAL_BUFFER = {"radtex_material": STEPS, "radtex_lobes": 2 * STEPS, "radtex_gloss": 1, "radtex_brush": 1}
 IMAGES_BUFFER = {IMAGES: ROWS}  # of a material by its own images; in HLSL alone
 THROUGH_BUFFER = {
     "radtex_exit_direction_range": 1,
@@ -187,6 +189,9 @@ def definitions(sidecar: LayeredSidecar, cost: LookupCost = DEFAULT) -> dict[str
     found |= {"RADTEX_LAMPS": lamps, "RADTEX_REST_CELLS": sidecar.rest_cells}
     if lamps and any(lamp.shape is not None for lamp in sidecar.lamps):
         found["RADTEX_SHAPES"] = 1
+    room = PLANE in layers and isinstance(sidecar.plane, Shell)
+    if lamps and not room and any(lamp.behind for lamp in sidecar.lamps):
+        found["RADTEX_BEHIND"] = 1
     if PLANE in layers and isinstance(sidecar.plane, Shell):
         found["RADTEX_SHELL"] = len(sidecar.plane.heights)
     if THINGS in layers and len(sidecar.boxes):
@@ -289,6 +294,8 @@ def material_values(sidecar: LayeredSidecar, number: int, cost: LookupCost = DEF
     if sidecar.glosses:
         gloss = material.gloss
         values["radtex_gloss"] = [_row([0] * 4 if gloss is None else [*gloss.colour, gloss.width])]
+    if sidecar.brushes:
+        values["radtex_brush"] = [_row([*(material.brush or (0, 0)), 0, 0])]
     look = sidecar.every_look[number]
     if look is not None:
         values[IMAGES] = _rows(np.array(look.rows))

@@ -28,6 +28,7 @@ from .arrangement import (
     OWN,
     PLANE,
     REST,
+    TANGENT,
     THINGS,
     TINT,
     WIDTH,
@@ -39,7 +40,7 @@ from .arrangement import (
 )
 from .sidecar import LayeredSidecar
 
-_NO_LIGHT = frozenset({NORMAL, WIDTH, ALPHA, DISTANCES, EXIT_DIRECTION, EXIT_PLACE, OWN})
+_NO_LIGHT = frozenset({NORMAL, WIDTH, ALPHA, TANGENT, DISTANCES, EXIT_DIRECTION, EXIT_PLACE, OWN})
 
 
 def write_layered(
@@ -108,6 +109,7 @@ def atlas_of(images: dict[str, Floats], facts: LayeredSidecar) -> LayeredAtlas:
         rest=untiled(images[REST], facts.rest_cells, facts.coarse),
         through=None if through is None else through_of(images, through.exits, through.rest, facts.coarse),
         alpha=images.get(ALPHA),
+        tangent=images.get(TANGENT),
         looks=facts.looks,
     )
 
