@@ -39,7 +39,8 @@ def with_world_lights(around: Around) -> Around:
     if not usual:
         return around
     more = radiance * np.maximum(1 - usual / np.maximum(brightest, 1e-12), 0)[:, None]
-    total, lights = float((radiance.sum(axis=1) * solid).sum()), []
+    total = float((radiance.sum(axis=1) * solid).sum())
+    lights: list[Lamp] = []
     left = brightest > usual
     while left.any() and len(lights) + len(around.lamps) < MOST_LAMPS:
         cells = np.flatnonzero(left)
