@@ -260,11 +260,11 @@ def test_brushed_metal_spreads_a_lamp_as_facets_do(tilt: float, turn: float) -> 
     fine = cell_directions(8 * cells)
     solid = 4 * np.abs(fine).sum(axis=1) ** 3 / len(fine)
 
-    def columns(vector: Sequence[float]) -> Floats:
-        return np.tile(np.array(vector, dtype=np.float64)[:, None], len(fine))
+    def columns(x: float, y: float, z: float) -> Floats:
+        return np.tile(np.array([[x], [y], [z]], dtype=np.float64), len(fine))
 
     wide = [np.full(len(fine), 2 * one**2) for one in rough]
-    brushed = Brushed(columns(viewer), columns([0, 0, 1]), columns([1, 0, 0]), *wide)
+    brushed = Brushed(columns(*viewer), columns(0, 0, 1), columns(1, 0, 0), *wide)
     shown = np.bincount(
         octahedron_cell(direction_to_octahedron(fine), cells),
         brushed.towards(fine.T, np.zeros(len(fine))) * solid,
