@@ -15,7 +15,9 @@
 // RADTEX_SHELL: how many planes of a room the plane layer shows, 2 to 8; 0 if it is a single one. RADTEX_BOXES: how many
 // boxes things lie in there, 1 to 8; else 0.
 // RADTEX_GLOSSES: how much a material mirrors follows from its tint and its width. RADTEX_SHAPES: some lamps are
-// rectangles, discs or balls where lobes are sharp, not blurs alone.
+// rectangles, discs or balls where lobes are sharp, not blurs alone. RADTEX_TANGENT: some materials are brushed, and
+// draw lamps out along the tangents of this layer. RADTEX_BEHIND: a plane or things hide some lamps, such as lights of
+// the world.
 // RADTEX_IMAGES: the material is shown by its own images, in place of colour, tint and normal: call radtex_layered_images.
 // RADTEX_OWN_CELLS, RADTEX_REST_CELLS: cells along the sides of buckets.
 //
@@ -111,6 +113,11 @@ uniform vec4 radtex_alpha_range;
 uniform vec4 radtex_lobes[32 * RADTEX_MATERIALS];
 #ifdef RADTEX_GLOSSES
 uniform vec4 radtex_gloss[RADTEX_MATERIALS];  // its mean glossy colour and log2 of its mean width²: see radtex_reflected; 0 if tints say all
+#endif
+#ifdef RADTEX_TANGENT
+uniform vec4 radtex_brush[RADTEX_MATERIALS];  // xy: of brushed metal the width² along the tangent and across it; or 0
+uniform sampler2D radtex_tangent_map;
+uniform vec4 radtex_tangent_range;
 #endif
 #if RADTEX_OWN_TAPS > 0
 uniform sampler2D radtex_own_map;
@@ -454,20 +461,37 @@ vec4 radtex_things(vec4 met, float spread) {
 }
 #endif
 
-#if RADTEX_SHELL > 0
+// Places of brushed metal: unit vectors to the viewer, of the normal, and of the tangent across that; and the lobe's
+// width² along the tangent and across it. Of what is not brushed `along` is 0.
+struct RadtexBrush {
+    vec3 viewer;
+    vec3 normal;
+    vec3 tangent;
+    float along;
+    float across;
+};
+
+float radtex_luminance(vec3 colour) {
+    return dot(colour, vec3(0.2126, 0.7152, 0.0722));
+}
+
+#if RADTEX_LAMPS > 0
 // How much of what lies behind all layers is seen between them, about the unit ray and as wide as `spread` says.
 float radtex_free_way(vec3 from, vec3 ray, float spread) {
-    float free = 1.0 - radtex_walls(from, ray, spread).a;
+    float free = 1.0;
+#ifdef RADTEX_PLANE
+#if RADTEX_SHELL > 0
+    free = 1.0 - radtex_walls(from, ray, spread).a;
+#else
+    free = 1.0 - radtex_below(from, ray, spread).a;
+#endif
+#endif
 #ifdef RADTEX_THINGS
     free *= 1.0 - radtex_things(radtex_met(from, ray), spread).a;
 #endif
     return free;
 }
 #endif
-
-float radtex_luminance(vec3 colour) {
-    return dot(colour, vec3(0.2126, 0.7152, 0.0722));
-}
 
 // The normal of a surface, and the luminance of its irradiance, which is pi times `even`: more than any sun's where the
 // diffuse colour is too dark to tell it.
@@ -524,15 +548,43 @@ float radtex_covered(vec3 towards, vec3 ray, float width, vec4 across, vec4 up) 
 }
 #endif
 
-// What a lobe of that width² shows of the lamp with that number. Of one that layers are before, a surface whose unit
-// normal is lit.xyz sees no more than the luminance of its irradiance, lit.w, allows.
-vec3 radtex_lamp(int number, vec3 from, vec3 ray, float width, vec4 lit) {
+// How much of a lamp that layers are before is seen between them; `ray` is the unit vector to it, `nearer` by how much
+// more it lights than the middle. A surface whose unit normal is lit.xyz sees no more than the luminance of its
+// irradiance, lit.w, allows.
+float radtex_lamp_free(vec4 place, vec4 light, vec3 from, vec3 ray, float nearer, vec4 lit) {
+    float free = lit.w / max(nearer * radtex_luminance(light.rgb) * max(dot(lit.xyz, ray), 0.1), 1e-9);
+    free = clamp((free - 0.1) / 0.9, 0.0, 1.0);
+    if (free > 0.0) free *= radtex_free_way(from, ray, log2(place.w * nearer));
+    return free;
+}
+
+// What brushed metal shows of a small lamp in the unit direction `way`, blurred by a width² `size`: GGX with two
+// roughnesses, D G1 / (4 N.V) (Heitz, "Sampling the GGX Distribution of Visible Normals", 2018).
+float radtex_brushed(RadtexBrush brush, vec3 way, float size) {
+    vec3 between = brush.viewer + way;
+    between *= inversesqrt(max(dot(between, between), 1e-12));
+    float upright = max(dot(between, brush.normal), 1e-3), aside = dot(between, brush.tangent) / upright;
+    float flatness = max(1.0 / (upright * upright) - 1.0 - aside * aside, 0.0);
+    float along = 0.5 * (brush.along + size), across = 0.5 * (brush.across + size);
+    float tail = (1.0 + aside * aside / along + flatness / across) * upright * upright;
+    float cosine = max(dot(brush.viewer, brush.normal), 1e-3), slant = dot(brush.viewer, brush.tangent);
+    float rough = brush.across * max(1.0 - cosine * cosine - slant * slant, 0.0) + brush.along * slant * slant;
+    float seen = 2.0 / (cosine + sqrt(cosine * cosine + 0.5 * rough));  // G1 / N.V
+    float shown = seen * inversesqrt(along * across) / (12.56637061 * tail * tail);
+    return dot(way, brush.normal) > 0.0 ? shown : 0.0;
+}
+
+// What a lobe of that width², or of brushed metal, shows of the lamp with that number.
+vec3 radtex_lamp(int number, vec3 from, vec3 ray, float width, vec4 lit, RadtexBrush brush) {
     vec4 place = radtex_lamp_place[number], light = radtex_lamp_light[number];
     vec3 towards = place.xyz - from;
     float squared = dot(towards, towards), nearer = dot(place.xyz, place.xyz) / squared;
     float size = place.w * nearer, wide = width + size;
     float off = wide + 1.0 - dot(ray, towards) * inversesqrt(squared);
     float free = 1.0, shown = nearer * (1.0 + 0.5 * wide) * wide / (6.2831853 * off * off);
+#ifdef RADTEX_TANGENT
+    if (brush.along > 0.0) shown = nearer * radtex_brushed(brush, towards * inversesqrt(squared), size);
+#endif
 #ifdef RADTEX_SHAPES
     vec4 across = radtex_lamp_across[number], up = radtex_lamp_up[number];
     if (across.w > 0.0) {
@@ -540,34 +592,35 @@ vec3 radtex_lamp(int number, vec3 from, vec3 ray, float width, vec4 lit) {
         float square = dot(back, towards) * sqrt(nearer), there = dot(back, place.xyz);  // how squarely it is seen
         if (dot(up.xyz, up.xyz) > 0.0) shown *= clamp(square / max(there, 1e-12), 0.0, 4.0);
         float share = clamp(2.0 - width / min(8.0 * size, 0.04), 0.0, 1.0);
+#ifdef RADTEX_TANGENT
+        if (brush.along > 0.0) share = 0.0;
+#endif
         if (share > 0.0) shown += share * (radtex_covered(towards, ray, width, across, up) * across.w - shown);
     }
 #endif
 #if RADTEX_SHELL > 0
-    if (light.w > 0.5) {
-        towards *= inversesqrt(squared);
-        free = lit.w / max(nearer * radtex_luminance(light.rgb) * max(dot(lit.xyz, towards), 0.1), 1e-9);
-        free = clamp((free - 0.1) / 0.9, 0.0, 1.0);
-        if (free > 0.0) free *= radtex_free_way(from, towards, log2(place.w * nearer));
-    }
+    if (light.w > 0.5) free = radtex_lamp_free(place, light, from, towards * inversesqrt(squared), nearer, lit);
+#endif
+#ifdef RADTEX_BEHIND
+    if (light.w > 0.5) free = radtex_lamp_free(place, light, from, towards * inversesqrt(squared), nearer, lit);
 #endif
     return light.rgb * (free * shown);
 }
 #endif
 
-vec3 radtex_lamps(vec3 from, vec3 ray, float width, vec4 lit) {
+vec3 radtex_lamps(vec3 from, vec3 ray, float width, vec4 lit, RadtexBrush brush) {
     vec3 light = vec3(0.0, 0.0, 0.0);
 #if RADTEX_LAMPS > 0
     for (int k = 0; k < RADTEX_LAMPS; k++) {
-        light += radtex_lamp(k, from, ray, width, lit);
+        light += radtex_lamp(k, from, ray, width, lit, brush);
     }
 #endif
     return light;
 }
 
 // What a lobe about the unit ray, of a width² whose log2 is `spread`, shows of the surroundings from a place that is
-// given from the middle; `met` is radtex_met of both, `lit` as for radtex_lamp, (0, 0, 0, 1e6) where no surface is.
-vec3 radtex_shown(vec3 from, vec3 ray, vec4 met, float spread, vec4 lit) {
+// given from the middle; `met` is radtex_met of both, `lit` as for radtex_lamp_free, (0, 0, 0, 1e6) where no surface is.
+vec3 radtex_shown_by(vec3 from, vec3 ray, vec4 met, float spread, vec4 lit, RadtexBrush brush) {
     vec3 light = vec3(0.0, 0.0, 0.0);
     float left = 1.0;  // of what lies behind
     vec4 next;
@@ -591,7 +644,18 @@ vec3 radtex_shown(vec3 from, vec3 ray, vec4 met, float spread, vec4 lit) {
         next = radtex_blurred(radtex_world_map, radtex_world_levels, ray, spread);
         light += left * (next.rgb * radtex_world_range.z + radtex_world_range.w);
     }
-    return light + radtex_lamps(from, ray, exp2(spread), lit);
+    return light + radtex_lamps(from, ray, exp2(spread), lit, brush);
+}
+
+// The same of what is not brushed.
+vec3 radtex_shown(vec3 from, vec3 ray, vec4 met, float spread, vec4 lit) {
+    RadtexBrush brush;
+    brush.viewer = ray;
+    brush.normal = ray;
+    brush.tangent = ray;
+    brush.along = 0.0;
+    brush.across = 0.0;
+    return radtex_shown_by(from, ray, met, spread, lit, brush);
 }
 #endif
 
@@ -649,13 +713,13 @@ vec3 radtex_reflected(vec3 colour, float width, float cosine, float opacity) {
 #endif
 
 // What a lobe (weight, and log2 of its width²) shows; `own` is what the object shows of itself.
-vec3 radtex_mirrored(vec3 from, vec3 ray, vec4 met, vec4 own, vec4 lobe, vec4 lit) {
+vec3 radtex_mirrored(vec3 from, vec3 ray, vec4 met, vec4 own, vec4 lobe, vec4 lit, RadtexBrush brush) {
 #if RADTEX_OWN_TAPS == 0
-    return lobe.rgb * radtex_shown(from, ray, met, lobe.a, lit);
+    return lobe.rgb * radtex_shown_by(from, ray, met, lobe.a, lit, brush);
 #else
     float free = radtex_free(own.a, exp2(lobe.a));
     vec3 light = own.rgb;
-    if (free > 0.001) light += free * (radtex_shown(from, ray, met, lobe.a, lit) - light);
+    if (free > 0.001) light += free * (radtex_shown_by(from, ray, met, lobe.a, lit, brush) - light);
     return lobe.rgb * light;
 #endif
 }
@@ -757,11 +821,27 @@ vec3 radtex_lit_of(int material, vec2 uv, vec3 position, vec3 face, vec3 V, Radt
         vec3 ray = axis * sqrt(1.0 - facts.a * facts.a) + towards * facts.a;
         vec4 own = radtex_own(uv, place), met = radtex_met(from, ray), lit = radtex_lit_by(face, even, look.colour);
         lobe.a = log2(exp2(lobe.a + wider) + spread);
-        vec3 mirrored = radtex_mirrored(from, ray, met, own, lobe, lit);
+        RadtexBrush brush;
+        brush.viewer = 2.0 * dot(N, axis) * N - axis;
+        brush.normal = N;
+        brush.tangent = N;
+        brush.along = 0.0;
+        brush.across = 0.0;
+#ifdef RADTEX_TANGENT
+        vec4 brushed = radtex_brush[material];
+        if (brushed.x > 0.0) {
+            vec3 tangent = radtex_map(radtex_tangent_map, radtex_tangent_range, uv).xyz;
+            tangent -= dot(N, tangent) * N;
+            brush.tangent = tangent * inversesqrt(max(dot(tangent, tangent), 1e-12));
+            brush.along = brushed.x * exp2(wider) + spread;
+            brush.across = brushed.y * exp2(wider) + spread;
+        }
+#endif
+        vec3 mirrored = radtex_mirrored(from, ray, met, own, lobe, lit, brush);
 #if RADTEX_SECOND_LOBE > 0
         second.a = log2(exp2(second.a + wider) + spread);
         if (radtex_luminance(second.rgb) > 0.0) {
-            mirrored += radtex_mirrored(from, ray, met, own, second, lit);
+            mirrored += radtex_mirrored(from, ray, met, own, second, lit, brush);
         }
 #endif
         vec3 tint = look.tint;

@@ -15,7 +15,9 @@
 // RADTEX_SHELL: how many planes of a room the plane layer shows, 2 to 8; 0 if it is a single one. RADTEX_BOXES: how many
 // boxes things lie in there, 1 to 8; else 0.
 // RADTEX_GLOSSES: how much a material mirrors follows from its tint and its width. RADTEX_SHAPES: some lamps are
-// rectangles, discs or balls where lobes are sharp, not blurs alone.
+// rectangles, discs or balls where lobes are sharp, not blurs alone. RADTEX_TANGENT: some materials are brushed, and
+// draw lamps out along the tangents of this layer. RADTEX_BEHIND: a plane or things hide some lamps, such as lights of
+// the world.
 // RADTEX_IMAGES: the material is shown by its own images, in place of colour, tint and normal: call radtex_layered_images.
 // These are radtex_base_map, the base colour, its format sRGB; radtex_metal_map, green roughness and blue metal; and
 // radtex_bump_map, the normal map, y up. RADTEX_IMAGE_SAMPLER(name): the sampler of each, such as name##_sampler;
@@ -103,6 +105,7 @@ Texture2D radtex_world_map RADTEX_TEXTURE(8);
 Texture2D radtex_plane_map RADTEX_TEXTURE(9);
 Texture2D radtex_things_map RADTEX_TEXTURE(10);
 Texture2D radtex_distances_map RADTEX_TEXTURE(11);
+Texture2D radtex_tangent_map RADTEX_TEXTURE(19);
 #ifdef RADTEX_IMAGES
 Texture2D radtex_base_map RADTEX_TEXTURE(16);
 Texture2D radtex_metal_map RADTEX_TEXTURE(17);
@@ -117,6 +120,7 @@ cbuffer RadtexBake RADTEX_BUFFER(0) {
     float4 radtex_normal_range;
     float4 radtex_width_range;
     float4 radtex_alpha_range;
+    float4 radtex_tangent_range;
     float4 radtex_own_range;     // the size of a tile in place of the part
     float4 radtex_rest_range;
     float4 radtex_own_tile;      // size of a tile without its padding, and half a texel, in units of a tile
@@ -145,6 +149,7 @@ cbuffer RadtexMaterial RADTEX_BUFFER(1) {
     float4 radtex_material[16];  // by N.V: the falloff, and the sine by which lobes bend towards the normal
     float4 radtex_lobes[32];     // by N.V: weight, and log2 of the width²; the first lobe's, then the second one's
     float4 radtex_gloss[1];      // its mean glossy colour and log2 of its mean width²: see radtex_reflected; 0 if tints say all
+    float4 radtex_brush[1];      // xy: of brushed metal the width² along the tangent and across it; or 0
 };
 #ifdef RADTEX_IMAGES
 cbuffer RadtexImages RADTEX_BUFFER(3) {
@@ -461,20 +466,37 @@ float4 radtex_things(float4 met, float spread) {
 }
 #endif
 
-#if RADTEX_SHELL > 0
+// Places of brushed metal: unit vectors to the viewer, of the normal, and of the tangent across that; and the lobe's
+// width² along the tangent and across it. Of what is not brushed `along` is 0.
+struct RadtexBrush {
+    float3 viewer;
+    float3 normal;
+    float3 tangent;
+    float along;
+    float across;
+};
+
+float radtex_luminance(float3 colour) {
+    return dot(colour, float3(0.2126, 0.7152, 0.0722));
+}
+
+#if RADTEX_LAMPS > 0
 // How much of what lies behind all layers is seen between them, about the unit ray and as wide as `spread` says.
 float radtex_free_way(float3 from, float3 ray, float spread) {
-    float free = 1.0 - radtex_walls(from, ray, spread).a;
+    float free = 1.0;
+#ifdef RADTEX_PLANE
+#if RADTEX_SHELL > 0
+    free = 1.0 - radtex_walls(from, ray, spread).a;
+#else
+    free = 1.0 - radtex_below(from, ray, spread).a;
+#endif
+#endif
 #ifdef RADTEX_THINGS
     free *= 1.0 - radtex_things(radtex_met(from, ray), spread).a;
 #endif
     return free;
 }
 #endif
-
-float radtex_luminance(float3 colour) {
-    return dot(colour, float3(0.2126, 0.7152, 0.0722));
-}
 
 // The normal of a surface, and the luminance of its irradiance, which is pi times `even`: more than any sun's where the
 // diffuse colour is too dark to tell it.
@@ -531,15 +553,43 @@ float radtex_covered(float3 towards, float3 ray, float width, float4 across, flo
 }
 #endif
 
-// What a lobe of that width² shows of the lamp with that number. Of one that layers are before, a surface whose unit
-// normal is lit.xyz sees no more than the luminance of its irradiance, lit.w, allows.
-float3 radtex_lamp(int number, float3 from, float3 ray, float width, float4 lit) {
+// How much of a lamp that layers are before is seen between them; `ray` is the unit vector to it, `nearer` by how much
+// more it lights than the middle. A surface whose unit normal is lit.xyz sees no more than the luminance of its
+// irradiance, lit.w, allows.
+float radtex_lamp_free(float4 place, float4 light, float3 from, float3 ray, float nearer, float4 lit) {
+    float free = lit.w / max(nearer * radtex_luminance(light.rgb) * max(dot(lit.xyz, ray), 0.1), 1e-9);
+    free = clamp((free - 0.1) / 0.9, 0.0, 1.0);
+    if (free > 0.0) free *= radtex_free_way(from, ray, log2(place.w * nearer));
+    return free;
+}
+
+// What brushed metal shows of a small lamp in the unit direction `way`, blurred by a width² `size`: GGX with two
+// roughnesses, D G1 / (4 N.V) (Heitz, "Sampling the GGX Distribution of Visible Normals", 2018).
+float radtex_brushed(RadtexBrush brush, float3 way, float size) {
+    float3 between = brush.viewer + way;
+    between *= rsqrt(max(dot(between, between), 1e-12));
+    float upright = max(dot(between, brush.normal), 1e-3), aside = dot(between, brush.tangent) / upright;
+    float flatness = max(1.0 / (upright * upright) - 1.0 - aside * aside, 0.0);
+    float along = 0.5 * (brush.along + size), across = 0.5 * (brush.across + size);
+    float tail = (1.0 + aside * aside / along + flatness / across) * upright * upright;
+    float cosine = max(dot(brush.viewer, brush.normal), 1e-3), slant = dot(brush.viewer, brush.tangent);
+    float rough = brush.across * max(1.0 - cosine * cosine - slant * slant, 0.0) + brush.along * slant * slant;
+    float seen = 2.0 / (cosine + sqrt(cosine * cosine + 0.5 * rough));  // G1 / N.V
+    float shown = seen * rsqrt(along * across) / (12.56637061 * tail * tail);
+    return dot(way, brush.normal) > 0.0 ? shown : 0.0;
+}
+
+// What a lobe of that width², or of brushed metal, shows of the lamp with that number.
+float3 radtex_lamp(int number, float3 from, float3 ray, float width, float4 lit, RadtexBrush brush) {
     float4 place = radtex_lamp_place[number], light = radtex_lamp_light[number];
     float3 towards = place.xyz - from;
     float squared = dot(towards, towards), nearer = dot(place.xyz, place.xyz) / squared;
     float size = place.w * nearer, wide = width + size;
     float off = wide + 1.0 - dot(ray, towards) * rsqrt(squared);
     float free = 1.0, shown = nearer * (1.0 + 0.5 * wide) * wide / (6.2831853 * off * off);
+#ifdef RADTEX_TANGENT
+    if (brush.along > 0.0) shown = nearer * radtex_brushed(brush, towards * rsqrt(squared), size);
+#endif
 #ifdef RADTEX_SHAPES
     float4 across = radtex_lamp_across[number], up = radtex_lamp_up[number];
     if (across.w > 0.0) {
@@ -547,34 +597,35 @@ float3 radtex_lamp(int number, float3 from, float3 ray, float width, float4 lit)
         float square = dot(back, towards) * sqrt(nearer), there = dot(back, place.xyz);  // how squarely it is seen
         if (dot(up.xyz, up.xyz) > 0.0) shown *= clamp(square / max(there, 1e-12), 0.0, 4.0);
         float share = clamp(2.0 - width / min(8.0 * size, 0.04), 0.0, 1.0);
+#ifdef RADTEX_TANGENT
+        if (brush.along > 0.0) share = 0.0;
+#endif
         if (share > 0.0) shown += share * (radtex_covered(towards, ray, width, across, up) * across.w - shown);
     }
 #endif
 #if RADTEX_SHELL > 0
-    if (light.w > 0.5) {
-        towards *= rsqrt(squared);
-        free = lit.w / max(nearer * radtex_luminance(light.rgb) * max(dot(lit.xyz, towards), 0.1), 1e-9);
-        free = clamp((free - 0.1) / 0.9, 0.0, 1.0);
-        if (free > 0.0) free *= radtex_free_way(from, towards, log2(place.w * nearer));
-    }
+    if (light.w > 0.5) free = radtex_lamp_free(place, light, from, towards * rsqrt(squared), nearer, lit);
+#endif
+#ifdef RADTEX_BEHIND
+    if (light.w > 0.5) free = radtex_lamp_free(place, light, from, towards * rsqrt(squared), nearer, lit);
 #endif
     return light.rgb * (free * shown);
 }
 #endif
 
-float3 radtex_lamps(float3 from, float3 ray, float width, float4 lit) {
+float3 radtex_lamps(float3 from, float3 ray, float width, float4 lit, RadtexBrush brush) {
     float3 light = float3(0.0, 0.0, 0.0);
 #if RADTEX_LAMPS > 0
     for (int k = 0; k < RADTEX_LAMPS; k++) {
-        light += radtex_lamp(k, from, ray, width, lit);
+        light += radtex_lamp(k, from, ray, width, lit, brush);
     }
 #endif
     return light;
 }
 
 // What a lobe about the unit ray, of a width² whose log2 is `spread`, shows of the surroundings from a place that is
-// given from the middle; `met` is radtex_met of both, `lit` as for radtex_lamp, (0, 0, 0, 1e6) where no surface is.
-float3 radtex_shown(float3 from, float3 ray, float4 met, float spread, float4 lit) {
+// given from the middle; `met` is radtex_met of both, `lit` as for radtex_lamp_free, (0, 0, 0, 1e6) where no surface is.
+float3 radtex_shown_by(float3 from, float3 ray, float4 met, float spread, float4 lit, RadtexBrush brush) {
     float3 light = float3(0.0, 0.0, 0.0);
     float left = 1.0;  // of what lies behind
     float4 next;
@@ -598,7 +649,18 @@ float3 radtex_shown(float3 from, float3 ray, float4 met, float spread, float4 li
         next = radtex_blurred(radtex_world_map, radtex_world_levels, ray, spread);
         light += left * (next.rgb * radtex_world_range.z + radtex_world_range.w);
     }
-    return light + radtex_lamps(from, ray, exp2(spread), lit);
+    return light + radtex_lamps(from, ray, exp2(spread), lit, brush);
+}
+
+// The same of what is not brushed.
+float3 radtex_shown(float3 from, float3 ray, float4 met, float spread, float4 lit) {
+    RadtexBrush brush;
+    brush.viewer = ray;
+    brush.normal = ray;
+    brush.tangent = ray;
+    brush.along = 0.0;
+    brush.across = 0.0;
+    return radtex_shown_by(from, ray, met, spread, lit, brush);
 }
 #endif
 
@@ -656,13 +718,13 @@ float3 radtex_reflected(float3 colour, float width, float cosine, float opacity)
 #endif
 
 // What a lobe (weight, and log2 of its width²) shows; `own` is what the object shows of itself.
-float3 radtex_mirrored(float3 from, float3 ray, float4 met, float4 own, float4 lobe, float4 lit) {
+float3 radtex_mirrored(float3 from, float3 ray, float4 met, float4 own, float4 lobe, float4 lit, RadtexBrush brush) {
 #if RADTEX_OWN_TAPS == 0
-    return lobe.rgb * radtex_shown(from, ray, met, lobe.a, lit);
+    return lobe.rgb * radtex_shown_by(from, ray, met, lobe.a, lit, brush);
 #else
     float free = radtex_free(own.a, exp2(lobe.a));
     float3 light = own.rgb;
-    if (free > 0.001) light += free * (radtex_shown(from, ray, met, lobe.a, lit) - light);
+    if (free > 0.001) light += free * (radtex_shown_by(from, ray, met, lobe.a, lit, brush) - light);
     return lobe.rgb * light;
 #endif
 }
@@ -773,11 +835,27 @@ float3 radtex_lit(float2 uv, float3 position, float3 face, float3 V, RadtexLook 
         float3 ray = axis * sqrt(1.0 - facts.a * facts.a) + towards * facts.a;
         float4 own = radtex_own(uv, place), met = radtex_met(from, ray), lit = radtex_lit_by(face, even, look.colour);
         lobe.a = log2(exp2(lobe.a + wider) + spread);
-        float3 mirrored = radtex_mirrored(from, ray, met, own, lobe, lit);
+        RadtexBrush brush;
+        brush.viewer = 2.0 * dot(N, axis) * N - axis;
+        brush.normal = N;
+        brush.tangent = N;
+        brush.along = 0.0;
+        brush.across = 0.0;
+#ifdef RADTEX_TANGENT
+        float4 brushed = radtex_brush[material];
+        if (brushed.x > 0.0) {
+            float3 tangent = radtex_map(radtex_tangent_map, radtex_tangent_range, uv).xyz;
+            tangent -= dot(N, tangent) * N;
+            brush.tangent = tangent * rsqrt(max(dot(tangent, tangent), 1e-12));
+            brush.along = brushed.x * exp2(wider) + spread;
+            brush.across = brushed.y * exp2(wider) + spread;
+        }
+#endif
+        float3 mirrored = radtex_mirrored(from, ray, met, own, lobe, lit, brush);
 #if RADTEX_SECOND_LOBE > 0
         second.a = log2(exp2(second.a + wider) + spread);
         if (radtex_luminance(second.rgb) > 0.0) {
-            mirrored += radtex_mirrored(from, ray, met, own, second, lit);
+            mirrored += radtex_mirrored(from, ray, met, own, second, lit, brush);
         }
 #endif
         float3 tint = look.tint;

@@ -22,6 +22,8 @@ override RADTEX_NORMAL: bool = false;
 override RADTEX_WIDTH: bool = false;
 override RADTEX_GLOSSES: bool = false;  // how much a material mirrors follows from its tint and its width
 override RADTEX_ALPHA: bool = false;
+override RADTEX_TANGENT: bool = false;  // some materials are brushed, and draw lamps out along the tangents
+override RADTEX_BEHIND: bool = false;   // a plane or things hide some lamps, such as lights of the world
 override RADTEX_PLANE: bool = false;
 override RADTEX_THINGS: bool = false;   // and their distances
 override RADTEX_SHELL: i32 = 0;         // how many planes of a room the plane layer shows, or 0
@@ -46,6 +48,7 @@ struct RadtexBake {
     normal_range: vec4f,
     width_range: vec4f,
     alpha_range: vec4f,
+    tangent_range: vec4f,
     own_range: vec4f,     // the size of a tile in place of the part
     rest_range: vec4f,
     own_tile: vec4f,      // size of a tile without its padding, and half a texel, in units of a tile
@@ -74,6 +77,7 @@ struct RadtexMaterial {
     curves: array<vec4f, 16>,  // by N.V: the falloff, and the sine by which lobes bend towards the normal
     lobes: array<vec4f, 32>,   // by N.V: weight, and log2 of the width²; the first lobe's, then the second one's
     gloss: array<vec4f, 1>,    // its mean glossy colour and log2 of its mean width²: see radtex_reflected; 0 if tints say all
+    brush: array<vec4f, 1>,    // xy: of brushed metal the width² along the tangent and across it; or 0
 }
 
 @group(1) @binding(0) var<uniform> radtex: RadtexBake;
@@ -91,6 +95,7 @@ struct RadtexMaterial {
 @group(1) @binding(12) var radtex_plane_map: texture_2d<f32>;
 @group(1) @binding(13) var radtex_things_map: texture_2d<f32>;
 @group(1) @binding(14) var radtex_distances_map: texture_2d<f32>;
+@group(1) @binding(21) var radtex_tangent_map: texture_2d<f32>;
 
 // A plain map's value.
 fn radtex_map(image: texture_2d<f32>, range: vec4f, uv: vec2f) -> vec4f {
@@ -397,17 +402,34 @@ fn radtex_things(met: vec4f, spread: f32) -> vec4f {
     return found;
 }
 
-// How much of what lies behind all layers is seen between them, about the unit ray and as wide as `spread` says.
-fn radtex_free_way(whence: vec3f, ray: vec3f, spread: f32) -> f32 {
-    var free = 1.0 - radtex_walls(whence, ray, spread).a;
-    if RADTEX_THINGS {
-        free *= 1.0 - radtex_things(radtex_met(whence, ray), spread).a;
-    }
-    return free;
+// Places of brushed metal: unit vectors to the viewer, of the normal, and of the tangent across that; and the lobe's
+// width² along the tangent and across it. Of what is not brushed `along` is 0.
+struct RadtexBrush {
+    viewer: vec3f,
+    normal: vec3f,
+    tangent: vec3f,
+    along: f32,
+    across: f32,
 }
 
 fn radtex_luminance(colour: vec3f) -> f32 {
     return dot(colour, vec3f(0.2126, 0.7152, 0.0722));
+}
+
+// How much of what lies behind all layers is seen between them, about the unit ray and as wide as `spread` says.
+fn radtex_free_way(whence: vec3f, ray: vec3f, spread: f32) -> f32 {
+    var free = 1.0;
+    if RADTEX_PLANE {
+        if RADTEX_SHELL > 0 {
+            free = 1.0 - radtex_walls(whence, ray, spread).a;
+        } else {
+            free = 1.0 - radtex_below(whence, ray, spread).a;
+        }
+    }
+    if RADTEX_THINGS {
+        free *= 1.0 - radtex_things(radtex_met(whence, ray), spread).a;
+    }
+    return free;
 }
 
 // The normal of a surface, and the luminance of its irradiance, which is pi times `even`: more than any sun's where the
@@ -468,12 +490,40 @@ fn radtex_covered(towards: vec3f, ray: vec3f, width: f32, across: vec4f, up: vec
     return clamp(found / 6.2831853, 0.0, 1.0);
 }
 
-// What a lobe of that width² shows of the lamp with that number. Of one that layers are before, a surface whose unit
-// normal is lit.xyz sees no more than the luminance of its irradiance, lit.w, allows.
-fn radtex_lamp(number: i32, whence: vec3f, ray: vec3f, width: f32, lit: vec4f) -> vec3f {
+// How much of a lamp that layers are before is seen between them; `ray` is the unit vector to it, `nearer` by how much
+// more it lights than the middle. A surface whose unit normal is lit.xyz sees no more than the luminance of its
+// irradiance, lit.w, allows.
+fn radtex_lamp_free(place: vec4f, light: vec4f, whence: vec3f, ray: vec3f, nearer: f32, lit: vec4f) -> f32 {
+    var free = lit.w / max(nearer * radtex_luminance(light.rgb) * max(dot(lit.xyz, ray), 0.1), 1e-9);
+    free = clamp((free - 0.1) / 0.9, 0.0, 1.0);
+    if free > 0.0 { free *= radtex_free_way(whence, ray, log2(place.w * nearer)); }
+    return free;
+}
+
+// What brushed metal shows of a small lamp in the unit direction `way`, blurred by a width² `size`: GGX with two
+// roughnesses, D G1 / (4 N.V) (Heitz, "Sampling the GGX Distribution of Visible Normals", 2018).
+fn radtex_brushed(brush: RadtexBrush, way: vec3f, size: f32) -> f32 {
+    var between = brush.viewer + way;
+    between *= inverseSqrt(max(dot(between, between), 1e-12));
+    let upright = max(dot(between, brush.normal), 1e-3);
+    let aside = dot(between, brush.tangent) / upright;
+    let flatness = max(1.0 / (upright * upright) - 1.0 - aside * aside, 0.0);
+    let along = 0.5 * (brush.along + size);
+    let across = 0.5 * (brush.across + size);
+    let tail = (1.0 + aside * aside / along + flatness / across) * upright * upright;
+    let cosine = max(dot(brush.viewer, brush.normal), 1e-3);
+    let slant = dot(brush.viewer, brush.tangent);
+    let rough = brush.across * max(1.0 - cosine * cosine - slant * slant, 0.0) + brush.along * slant * slant;
+    let seen = 2.0 / (cosine + sqrt(cosine * cosine + 0.5 * rough));  // G1 / N.V
+    let shown = seen * inverseSqrt(along * across) / (12.56637061 * tail * tail);
+    return select(0.0, shown, dot(way, brush.normal) > 0.0);
+}
+
+// What a lobe of that width², or of brushed metal, shows of the lamp with that number.
+fn radtex_lamp(number: i32, whence: vec3f, ray: vec3f, width: f32, lit: vec4f, brush: RadtexBrush) -> vec3f {
     let place = radtex.lamp_place[number];
     let light = radtex.lamp_light[number];
-    var towards = place.xyz - whence;
+    let towards = place.xyz - whence;
     let squared = dot(towards, towards);
     let nearer = dot(place.xyz, place.xyz) / squared;
     let size = place.w * nearer;
@@ -481,6 +531,9 @@ fn radtex_lamp(number: i32, whence: vec3f, ray: vec3f, width: f32, lit: vec4f) -
     let off = wide + 1.0 - dot(ray, towards) * inverseSqrt(squared);
     var free = 1.0;
     var shown = nearer * (1.0 + 0.5 * wide) * wide / (6.2831853 * off * off);
+    if RADTEX_TANGENT {
+        if brush.along > 0.0 { shown = nearer * radtex_brushed(brush, towards * inverseSqrt(squared), size); }
+    }
     if RADTEX_SHAPES {
         let across = radtex.lamp_across[number];
         let up = radtex.lamp_up[number];
@@ -489,34 +542,35 @@ fn radtex_lamp(number: i32, whence: vec3f, ray: vec3f, width: f32, lit: vec4f) -
             let square = dot(back, towards) * sqrt(nearer);
             let there = dot(back, place.xyz);  // how squarely it is seen
             if dot(up.xyz, up.xyz) > 0.0 { shown *= clamp(square / max(there, 1e-12), 0.0, 4.0); }
-            let share = clamp(2.0 - width / min(8.0 * size, 0.04), 0.0, 1.0);
+            var share = clamp(2.0 - width / min(8.0 * size, 0.04), 0.0, 1.0);
+            if RADTEX_TANGENT {
+                if brush.along > 0.0 { share = 0.0; }
+            }
             if share > 0.0 { shown += share * (radtex_covered(towards, ray, width, across, up) * across.w - shown); }
         }
     }
     if RADTEX_SHELL > 0 {
-        if light.w > 0.5 {
-            towards *= inverseSqrt(squared);
-            free = lit.w / max(nearer * radtex_luminance(light.rgb) * max(dot(lit.xyz, towards), 0.1), 1e-9);
-            free = clamp((free - 0.1) / 0.9, 0.0, 1.0);
-            if free > 0.0 { free *= radtex_free_way(whence, towards, log2(place.w * nearer)); }
-        }
+        if light.w > 0.5 { free = radtex_lamp_free(place, light, whence, towards * inverseSqrt(squared), nearer, lit); }
+    }
+    if RADTEX_BEHIND {
+        if light.w > 0.5 { free = radtex_lamp_free(place, light, whence, towards * inverseSqrt(squared), nearer, lit); }
     }
     return light.rgb * (free * shown);
 }
 
-fn radtex_lamps(whence: vec3f, ray: vec3f, width: f32, lit: vec4f) -> vec3f {
+fn radtex_lamps(whence: vec3f, ray: vec3f, width: f32, lit: vec4f, brush: RadtexBrush) -> vec3f {
     var light = vec3f(0.0, 0.0, 0.0);
     if RADTEX_LAMPS > 0 {
         for (var k = 0; k < RADTEX_LAMPS; k++) {
-            light += radtex_lamp(k, whence, ray, width, lit);
+            light += radtex_lamp(k, whence, ray, width, lit, brush);
         }
     }
     return light;
 }
 
 // What a lobe about the unit ray, of a width² whose log2 is `spread`, shows of the surroundings from a place that is
-// given from the middle; `met` is radtex_met of both, `lit` as for radtex_lamp, (0, 0, 0, 1e6) where no surface is.
-fn radtex_shown(whence: vec3f, ray: vec3f, met: vec4f, spread: f32, lit: vec4f) -> vec3f {
+// given from the middle; `met` is radtex_met of both, `lit` as for radtex_lamp_free, (0, 0, 0, 1e6) where no surface is.
+fn radtex_shown_by(whence: vec3f, ray: vec3f, met: vec4f, spread: f32, lit: vec4f, brush: RadtexBrush) -> vec3f {
     var light = vec3f(0.0, 0.0, 0.0);
     var left = 1.0;  // of what lies behind
     var next: vec4f;
@@ -540,7 +594,18 @@ fn radtex_shown(whence: vec3f, ray: vec3f, met: vec4f, spread: f32, lit: vec4f) 
         next = radtex_blurred(radtex_world_map, radtex.world_levels, ray, spread);
         light += left * (next.rgb * radtex.world_range.z + radtex.world_range.w);
     }
-    return light + radtex_lamps(whence, ray, exp2(spread), lit);
+    return light + radtex_lamps(whence, ray, exp2(spread), lit, brush);
+}
+
+// The same of what is not brushed.
+fn radtex_shown(whence: vec3f, ray: vec3f, met: vec4f, spread: f32, lit: vec4f) -> vec3f {
+    var brush: RadtexBrush;
+    brush.viewer = ray;
+    brush.normal = ray;
+    brush.tangent = ray;
+    brush.along = 0.0;
+    brush.across = 0.0;
+    return radtex_shown_by(whence, ray, met, spread, lit, brush);
 }
 
 // What the object shows of itself in the direction that lies at a place on the square, and how much it leaves free.
@@ -597,13 +662,14 @@ fn radtex_reflected(colour: vec3f, width: f32, cosine: f32, opacity: f32) -> vec
 }
 
 // What a lobe (weight, and log2 of its width²) shows; `own` is what the object shows of itself.
-fn radtex_mirrored(whence: vec3f, ray: vec3f, met: vec4f, own: vec4f, lobe: vec4f, lit: vec4f) -> vec3f {
+fn radtex_mirrored(whence: vec3f, ray: vec3f, met: vec4f, own: vec4f, lobe: vec4f, lit: vec4f,
+                   brush: RadtexBrush) -> vec3f {
     if RADTEX_OWN_TAPS == 0 {
-        return lobe.rgb * radtex_shown(whence, ray, met, lobe.a, lit);
+        return lobe.rgb * radtex_shown_by(whence, ray, met, lobe.a, lit, brush);
     } else {
         let free = radtex_free(own.a, exp2(lobe.a));
         var light = own.rgb;
-        if free > 0.001 { light += free * (radtex_shown(whence, ray, met, lobe.a, lit) - light); }
+        if free > 0.001 { light += free * (radtex_shown_by(whence, ray, met, lobe.a, lit, brush) - light); }
         return lobe.rgb * light;
     }
 }
@@ -694,11 +760,27 @@ fn radtex_lit(uv: vec2f, position: vec3f, face: vec3f, V: vec3f, look: RadtexLoo
             let met = radtex_met(whence, ray);
             let lit = radtex_lit_by(face, even, look.colour);
             lobe.a = log2(exp2(lobe.a + wider) + spread);
-            var mirrored = radtex_mirrored(whence, ray, met, own, lobe, lit);
+            var brush: RadtexBrush;
+            brush.viewer = 2.0 * dot(N, axis) * N - axis;
+            brush.normal = N;
+            brush.tangent = N;
+            brush.along = 0.0;
+            brush.across = 0.0;
+            if RADTEX_TANGENT {
+                let brushed = radtex_of.brush[material];
+                if brushed.x > 0.0 {
+                    var tangent = radtex_map(radtex_tangent_map, radtex.tangent_range, uv).xyz;
+                    tangent -= dot(N, tangent) * N;
+                    brush.tangent = tangent * inverseSqrt(max(dot(tangent, tangent), 1e-12));
+                    brush.along = brushed.x * exp2(wider) + spread;
+                    brush.across = brushed.y * exp2(wider) + spread;
+                }
+            }
+            var mirrored = radtex_mirrored(whence, ray, met, own, lobe, lit, brush);
             if RADTEX_SECOND_LOBE > 0 {
                 second.a = log2(exp2(second.a + wider) + spread);
                 if radtex_luminance(second.rgb) > 0.0 {
-                    mirrored += radtex_mirrored(whence, ray, met, own, second, lit);
+                    mirrored += radtex_mirrored(whence, ray, met, own, second, lit, brush);
                 }
             }
             var tint = look.tint;

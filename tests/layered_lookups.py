@@ -222,6 +222,7 @@ def everything(atlas: LayeredAtlas) -> LayeredAtlas:
     rng = np.random.default_rng(7)
     fine, coarse = len(atlas.colour), len(atlas.own)
     alpha = 0.2 + 0.8 * _image(rng, fine, 1)
+    tangent = normalised(rng.normal(size=3) + 0.3 * rng.normal(size=(*atlas.irradiance.shape[:2], 3)))
     along = (np.arange(coarse) + 0.5) / coarse
     uv = np.stack(np.meshgrid(along, along), axis=-1).reshape(-1, 2)
     rest = _buckets(rng, uv, THROUGH, 3) * 0.4 - 0.1
@@ -236,12 +237,17 @@ def everything(atlas: LayeredAtlas) -> LayeredAtlas:
         colour=atlas.colour * alpha,
         tint=_image(rng, fine, 3) * alpha,
         materials=(
-            replace(atlas.materials[0], gloss=Gloss(np.array([0.3, 0.25, 0.1], np.float32), -5.0)),
+            replace(
+                atlas.materials[0],
+                gloss=Gloss(np.array([0.3, 0.25, 0.1], np.float32), -5.0),
+                brush=(0.04, 0.006),
+            ),
             *atlas.materials[1:],
         ),
         normal=normalised(_image(rng, fine, 3) - 0.5).astype(np.float32),
         width=_image(rng, fine, 1) * 4 - 2,
         alpha=alpha,
+        tangent=tangent.astype(np.float32),
         around=replace(atlas.around, lamps=(*atlas.around.lamps, *lamps)),
         through=Through(_ways(rng, uv), 0.5 + _image(rng, coarse, 3), rest),
     )
@@ -299,6 +305,16 @@ def in_a_room(atlas: LayeredAtlas) -> LayeredAtlas:
     return replace(atlas, around=replace(atlas.around, layers=layers, lamps=lamps))
 
 
+def brushed(atlas: LayeredAtlas) -> LayeredAtlas:
+    """Of brushed metal, before lamps of which a plane and things hide every second one."""
+    whole = everything(atlas)
+    lamps = tuple(
+        replace(lamp, behind=number % 2 == 0, irradiance=lamp.irradiance / 4)
+        for number, lamp in enumerate(whole.around.lamps)
+    )
+    return replace(whole, through=None, around=replace(whole.around, lamps=lamps))
+
+
 CASES: dict[str, Callable[[LayeredAtlas], LayeredAtlas]] = {
     "everything": everything,
     "everything, in ranges": everything,
@@ -315,6 +331,7 @@ CASES: dict[str, Callable[[LayeredAtlas], LayeredAtlas]] = {
     "one lobe": of_one_lobe,
     "room": in_a_room,
     "a rest at every texel": with_rest_at_every_texel,
+    "brushed": brushed,
 }
 # One of each sort, for languages that take long to compile a case.
 USUAL = tuple(name for name in CASES if name not in ("opaque, in ranges", "parted ways"))
@@ -375,6 +392,8 @@ _CHOICES: dict[str, tuple[str, ...]] = {
     "lobes": ("", *(f"RADTEX_MIRRORS RADTEX_OWN_CELLS=14 RADTEX_SECOND_LOBE={second}" for second in "01")),
     "width": ("", "RADTEX_WIDTH"),
     "gloss": ("", "RADTEX_GLOSSES"),
+    "brush": ("", "RADTEX_TANGENT"),
+    "behind": ("", "RADTEX_BEHIND"),
     "plane": ("", "RADTEX_PLANE", "RADTEX_PLANE RADTEX_SHELL=6"),
     "things": ("", "RADTEX_THINGS", "RADTEX_THINGS RADTEX_BOXES=3"),
     "lamps": ("RADTEX_LAMPS=0", "RADTEX_LAMPS=1", "RADTEX_LAMPS=8", "RADTEX_LAMPS=8 RADTEX_SHAPES"),

@@ -5,17 +5,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, cast
 
 import bpy
 import numpy as np
+import pytest
 
 from radtex_addon.bake.progress import finished
 from radtex_addon.core.arrays import Floats
 from radtex_addon.cycles.path_ends import Body
 from radtex_addon.forms.layered.capture.gloss_maps import (
     capture_gloss,
+    capture_tangents,
+    is_brushed,
     may_vary,
     sharpest_width,
     width_of,
@@ -23,14 +27,18 @@ from radtex_addon.forms.layered.capture.gloss_maps import (
 from radtex_addon.forms.layered.capture.panoramas import share_for
 from radtex_addon.forms.layered.fit.fitting import fit_layered
 from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas
+from radtex_addon.report.gbuffer import BakedSurface
 from radtex_addon.scene.nodes import NodeBuilder
 from radtex_addon.scene.scratch import scratch_scene
 from radtex_addon.settings.spec import BakeSpec, Layout
 from tests.bench.fidelity.layered.staged import capture_staged
-from tests.bench.fidelity.scenes.materials import assign
+from tests.bench.fidelity.methods.layered import baked_of
+from tests.bench.fidelity.metrics import compare
+from tests.bench.fidelity.references import view_of
+from tests.bench.fidelity.scenes.materials import assign, principled, shader
 from tests.bench.fidelity.scenes.meshes import as_subject
 from tests.bench.fidelity.scenes.meshes import made as last_made
-from tests.bench.fidelity.scenes.stage import finish, start
+from tests.bench.fidelity.scenes.stage import Stage, finish, start
 from tests.blender.stage import material, plan_of, world
 from tests.blender.surroundings import sample_sky_coarsely
 
@@ -99,10 +107,27 @@ def _mixed() -> bpy.types.Material:
     return made
 
 
+def _brushed(kind: str, turn: float = 0.0, **inputs: float) -> bpy.types.Material:
+    """Anisotropic metal whose tangents are along x, turned by a share of a whole turn."""
+    names = ("Anisotropic", "Anisotropic Rotation") if "Principled" in kind else ("Anisotropy", "Rotation")
+    made = material(kind, kind, Roughness=0.3, **inputs)
+    tree: Any = made.node_tree
+    shader = _output(made).links[0].from_node
+    for name, value in zip(names, (0.7, turn), strict=True):
+        shader.inputs[name].default_value = value
+    along = tree.nodes.new("ShaderNodeCombineXYZ")
+    along.inputs[0].default_value = 1.0
+    tree.links.new(along.outputs[0], shader.inputs["Tangent"])
+    return made
+
+
 def _captured(
-    materials: list[bpy.types.Material], folder: Path, shifts: tuple[float, ...] = (0.0,)
+    materials: list[bpy.types.Material],
+    folder: Path,
+    shifts: tuple[float, ...] = (0.0,),
+    tangents: bool = False,
 ) -> Floats | None:
-    """What is found in the middles of the steps, on a row of quads: (materials, steps)."""
+    """What is found in the middles of the steps, on a row of quads: (materials, steps), or tangents, x 3."""
     bpy.context.scene.render.engine = "CYCLES"
     bpy.context.scene.cycles.sample_clamp_direct = 0.1  # of the user's, which may not cut what is coded
     world()
@@ -121,9 +146,13 @@ def _captured(
     points = np.array([(x, y + 0.5, 0.0) for y in range(count) for x in along])
     plan = plan_of(points, np.tile([0.0, 0, 1], (len(points), 1)), 1)
     plans = [plan.moved_to(points + np.array([shift / len(_STEPS), 0, 0])) for shift in shifts]
+    bodies = [Body(item, mesh.copy(), np.eye(4))]
     with scratch_scene(cast(bpy.types.Scene, bpy.context.scene)) as scratch:
-        found = capture_gloss(scratch, [Body(item, mesh.copy(), np.eye(4))], plans, 1, folder)
-    return None if found is None else found.reshape(count, -1)
+        if tangents:
+            found = capture_tangents(scratch, bodies, plan, 1, folder)
+        else:
+            found = capture_gloss(scratch, bodies, plans, 1, folder)
+    return None if found is None else found.reshape(count, -1, *((3,) if tangents else ()))
 
 
 def test_the_roughness_of_every_kind_of_graph_is_the_textures(tmp_path: Path) -> None:
@@ -150,6 +179,69 @@ def test_no_rays_are_spent_where_roughness_cannot_vary(tmp_path: Path) -> None:
     even = [material("Even", "ShaderNodeBsdfPrincipled"), material("Matt", "ShaderNodeBsdfDiffuse")]
     assert not any(map(may_vary, even))
     assert _captured(even, tmp_path / "absent") is None
+
+
+def test_tangents_are_those_of_the_shaders_turned_as_they_say(tmp_path: Path) -> None:
+    usual = "ShaderNodeBsdfPrincipled"
+    made = [
+        *(_brushed(kind) for kind in (usual, "ShaderNodeBsdfGlossy", "ShaderNodeBsdfMetallic")),
+        _brushed(usual, turn=0.25),
+        _brushed(usual, turn=1 / 12),
+        _brushed(usual, Coat_Weight=0.5),
+        material("Plastic", usual, Roughness=0.35),
+    ]
+    found = _captured(made, tmp_path, tangents=True)
+    assert found is not None
+    for number in range(3):
+        np.testing.assert_allclose(np.abs(found[number]), [[1, 0, 0]] * len(_STEPS), atol=2e-3)
+    np.testing.assert_allclose(np.abs(found[3]), [[0, 1, 0]] * len(_STEPS), atol=2e-3)
+    np.testing.assert_allclose(found[4], [[np.cos(np.pi / 6), 0.5, 0]] * len(_STEPS), atol=2e-3)
+    assert not found[5:].any()
+    assert [is_brushed(one) for one in made] == [True] * 5 + [False] * 2
+    assert _captured(made[5:], tmp_path / "absent", tangents=True) is None
+
+
+def _steel(brush: float) -> Stage:
+    """A brushed cylinder, its tangents around its axis, before one bright small place of the world."""
+    start("studio.exr", strength=0.7, turn=75)
+    sample_sky_coarsely()
+    bpy.ops.mesh.primitive_cylinder_add(vertices=48, radius=0.5, depth=1.6, end_fill_type="TRIFAN")
+    can = as_subject(last_made())
+    bpy.ops.object.shade_smooth_by_angle()
+    steel = principled("Steel", (0.7, 0.7, 0.7), Metallic=1.0, Roughness=0.35, Anisotropic=brush)
+    tree: Any = steel.node_tree
+    tangent = tree.nodes.new("ShaderNodeTangent")
+    tangent.direction_type, tangent.axis = "RADIAL", "Z"
+    tree.links.new(tangent.outputs[0], shader(steel).inputs["Tangent"])
+    assign(can, steel)
+    return finish("can", can)
+
+
+def test_a_small_brushed_can_looks_as_in_cycles(tmp_path: Path) -> None:
+    """Round metal of the same roughness, beside it, keeps its maps and lamps."""
+    spec = BakeSpec(layout=Layout.LAYERED, texels=32, samples=4)
+    round_one = finished(fit_layered(capture_staged(_steel(0.0), spec, tmp_path).captured.capture))
+    assert round_one.tangent is None
+    assert round_one.materials[0].brush is None
+    assert not round_one.around.lamps
+    stage = _steel(0.8)
+    staged = capture_staged(stage, spec, tmp_path)
+    atlas = finished(fit_layered(staged.captured.capture))
+    assert atlas.tangent is not None
+    along, across = 2 * 0.35**4 / 0.28, 2 * 0.35**4 * 0.28
+    assert atlas.materials[0].brush == pytest.approx((along, across), rel=0.3)
+    assert all(lamp.behind for lamp in atlas.around.lamps)
+    seen = view_of(stage, stage.held_out[0], 64, 2)
+    surface = BakedSurface(staged.prepared.mesh, staged.matrix_world, staged.prepared.uv_layer)
+    buffer = surface.gbuffer(seen.rays, seen.blocked)
+
+    def psnr(one: LayeredAtlas) -> float:
+        picture = buffer.resolve(baked_of(one, staged).radiance(buffer))
+        return compare(picture, seen.reference, buffer.inside, buffer.eroded).psnr
+
+    unbrushed = replace(atlas, tangent=None)
+    print(f"brushed {psnr(atlas):.1f} dB, its lamps as round blurs {psnr(unbrushed):.1f} dB")
+    assert psnr(atlas) > psnr(unbrushed) + 1
 
 
 def test_rough_things_need_no_sharp_pictures_of_a_room() -> None:

@@ -13,10 +13,11 @@ from radtex_addon.bake.light_samples import Axis, LobeSamples, mirrored, spread_
 from radtex_addon.bake.pooling import Neighbours
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.frame import normalised
-from radtex_addon.core.octahedron import cell_directions
+from radtex_addon.core.octahedron import cell_directions, direction_to_octahedron, octahedron_cell
 from radtex_addon.cycles.portal import Aim
 from radtex_addon.forms.layered.capture.panoramas import panorama_directions
 from radtex_addon.forms.layered.capture.stored_surroundings import around_of, arrays_of
+from radtex_addon.forms.layered.capture.world_lights import with_world_lights
 from radtex_addon.forms.layered.fit.bucket_grid import BucketGrid
 from radtex_addon.forms.layered.fit.buckets import free_share
 from radtex_addon.forms.layered.fit.lobes import Paths, fit_materials
@@ -34,7 +35,7 @@ from radtex_addon.forms.layered.lookup.environment import (
     lamps_of,
 )
 from radtex_addon.forms.layered.lookup.lamp_shapes import LampShape, ShapeKind
-from radtex_addon.forms.layered.lookup.lobes import STEPS, Material, lobe, seen_free
+from radtex_addon.forms.layered.lookup.lobes import STEPS, Brushed, Material, lobe, seen_free
 from tests.layered.made_up import flat_plan, places_of
 from tests.layered_lookups import case_of
 
@@ -227,6 +228,99 @@ def spread_by_lobe(rng: np.random.Generator, axis: Floats, normal: Floats, varia
     off = np.cos(turn)[:, None] * up + np.sin(turn)[:, None] * np.cross(axis, up)
     found: Floats = np.cos(angle)[:, None] * axis + np.sin(angle)[:, None] * off
     return found
+
+
+def mirrored_by_facets(viewer: Floats, rough: tuple[float, float], count: int) -> Floats:
+    """Directions (P, 3) in which GGX's facets mirror a viewer (3,), as often as that sees them.
+
+    About the normal (0, 0, 1), with the roughnesses along x and y (Heitz, "Sampling the GGX Distribution of
+    Visible Normals", 2018, appendix A).
+    """
+    rng = np.random.default_rng(4)
+    stretched = normalised(viewer * [*rough, 1])
+    first = normalised(np.add(np.cross([0, 0, 1.0], stretched), [1e-9, 0, 0]))
+    radius, turn = np.sqrt(rng.random(count)), rng.uniform(0, 2 * np.pi, count)
+    x, y, lean = radius * np.cos(turn), radius * np.sin(turn), (1 + stretched[2]) / 2
+    y = (1 - lean) * np.sqrt(1 - x * x) + lean * y
+    up = np.sqrt(np.maximum(1 - x * x - y * y, 0))
+    facet = np.stack([x, y, up], axis=1) @ np.stack([first, np.cross(stretched, first), stretched])
+    half = normalised(facet * [*rough, 1])
+    found: Floats = 2 * (half @ viewer)[:, None] * half - viewer
+    return found
+
+
+@pytest.mark.parametrize("turn", [0, 40, 90])
+@pytest.mark.parametrize("tilt", [0, 50, 75])
+def test_brushed_metal_spreads_a_lamp_as_facets_do(tilt: float, turn: float) -> None:
+    slant, around = np.radians([tilt, turn])
+    viewer = np.array([np.sin(slant) * np.cos(around), np.sin(slant) * np.sin(around), np.cos(slant)])
+    rough = (0.25, 0.1)
+    ends, cells = mirrored_by_facets(viewer, rough, 400_000), 24
+    count = np.bincount(octahedron_cell(direction_to_octahedron(ends), cells), minlength=cells**2)
+    fine = cell_directions(8 * cells)
+    solid = 4 * np.abs(fine).sum(axis=1) ** 3 / len(fine)
+
+    def columns(x: float, y: float, z: float) -> Floats:
+        return np.tile(np.array([[x], [y], [z]], dtype=np.float64), len(fine))
+
+    wide = [np.full(len(fine), 2 * one**2) for one in rough]
+    brushed = Brushed(columns(*viewer), columns(0, 0, 1), columns(1, 0, 0), *wide)
+    shown = np.bincount(
+        octahedron_cell(direction_to_octahedron(fine), cells),
+        brushed.towards(fine.T, np.zeros(len(fine))) * solid,
+        minlength=cells**2,
+    )
+    expected = count / len(ends)
+    above = cell_directions(cells)[:, 2] > 0.15  # cells that the horizon does not cross
+    assert expected[above].sum() > 0.5
+    assert np.abs(shown - expected)[above].sum() < 0.03
+    np.testing.assert_allclose(shown[above].sum(), expected[above].sum(), atol=0.01)
+
+
+def test_a_brush_is_found_in_what_facets_mirror() -> None:
+    rng, count = np.random.default_rng(5), 4000
+    kinds = []
+    for rough in ((0.3, 0.1), (0.08, 0.2), (0.15, 0.15)):
+        viewer = np.array([0.3, 0.4, np.sqrt(0.75)])
+        ends = mirrored_by_facets(viewer, rough, count)
+        turn = rng.uniform(0, 2 * np.pi, count)
+        c, s, none, one = np.cos(turn), np.sin(turn), np.zeros(count), np.ones(count)
+        spin = np.stack([[c, -s, none], [s, c, none], [none, none, one]]).transpose(2, 0, 1)  # of each texel
+        normal = np.tile([0, 0, 1.0], (count, 1))
+        axis = spin @ (2 * viewer[2] * normal[0] - viewer)
+        paths = Paths(
+            np.arange(count), np.ones((count, 3)), np.einsum("pij,pj->pi", spin, ends), axis, normal,
+            np.full(count, viewer[2]), np.zeros(count, dtype=np.int32),
+        )  # fmt: skip
+        kinds.append(fit_materials(paths, 1, spin[:, :, 0].astype(np.float32))[0])
+    assert kinds[0].brush == pytest.approx((2 * 0.3**2, 2 * 0.1**2), rel=0.1)
+    assert kinds[1].brush == pytest.approx((2 * 0.08**2, 2 * 0.2**2), rel=0.1)
+    assert not kinds[0].weight[1].any()
+    assert kinds[2].brush is None
+
+
+def test_lights_of_the_world_are_lamps_that_layers_hide() -> None:
+    direction = cell_directions(128).astype(np.float32)
+    solid = 4 * np.abs(direction).sum(axis=1) ** 3 / len(direction)
+    places = normalised(np.array([[1, 0, 0.1], [-0.5, 1, 0.6]]))
+    radiance = np.full((len(direction), 3), 0.1, dtype=np.float32)
+    for place, bright in zip(places, ([90, 60, 30], [20, 20, 40]), strict=True):
+        radiance[direction @ place > np.cos(0.1)] += bright
+    old = Around(np.zeros(3, np.float32), Pictures.of(direction, radiance, 128), (), ())
+    new = with_world_lights(old)
+    assert [lamp.behind for lamp in new.lamps] == [True, True]
+    for lamp, place in zip(new.lamps, places, strict=True):
+        assert normalised(lamp.place) @ place > np.cos(0.01)
+    left = new.world.levels[0].reshape(-1, 3)
+    assert left.max() < 9 * (radiance.max(axis=1) * solid).sum() / (4 * np.pi)
+    sent = (left * solid[:, None]).sum(axis=0) + sum(lamp.irradiance for lamp in new.lamps)
+    np.testing.assert_allclose(sent, (radiance * solid[:, None]).sum(axis=0), rtol=1e-4)
+    axis, far = random_directions(500), np.zeros((500, 3), np.float32)
+    wide = np.full(500, 0.05, np.float32)
+    close = np.abs(new.look(far, axis, wide) - old.look(far, axis, wide)).mean()
+    assert close < 0.1 * old.look(far, axis, wide).mean(), "where nothing hides them"
+    even = Around(old.middle, Pictures.of(direction, np.ones_like(radiance), 64), (), ())
+    assert with_world_lights(even) is even
 
 
 @pytest.mark.parametrize("kind", ShapeKind)

@@ -18,7 +18,17 @@ from radtex_addon.formats.json_reader import Facts
 from radtex_addon.formats.sidecar_file import SidecarFile
 from radtex_addon.forms import form_in
 from radtex_addon.forms.layered.blocks import FORMATS, Coded, coded
-from radtex_addon.forms.layered.files.arrangement import CHANNELS, IRRADIANCE, OWN, PICTURES, REST, packed
+from radtex_addon.forms.layered.files.arrangement import (
+    CHANNELS,
+    EXIT_DIRECTION,
+    EXIT_PLACE,
+    FIELD,
+    IRRADIANCE,
+    OWN,
+    PICTURES,
+    REST,
+    packed,
+)
 from radtex_addon.forms.layered.files.layered_files import atlas_of, read_layered, write_layered
 from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas, sample_layered
 from radtex_addon.forms.layered.shader_values import exported_facts
@@ -61,7 +71,7 @@ def texture_of(folder: Path, entry: TextureEntry) -> Texture:
 def test_by_itself_all_but_rays_are_in_blocks(tmp_path: Path, target: Target) -> None:
     sidecar, entries = textures_of("everything", tmp_path, ExportSpec(target))
     container = Container.DDS if target is Target.UNITY else Container.KTX2
-    assert list(entries) == list(CHANNELS)
+    assert list(entries) == [layer for layer in CHANNELS if layer != FIELD]
     for layer, entry in entries.items():
         assert (entry.format, entry.container) == (FORMATS.get(layer, HALF), container), layer
         assert (entry.levels > 1) == (layer in (*PICTURES, IRRADIANCE))
@@ -69,6 +79,14 @@ def test_by_itself_all_but_rays_are_in_blocks(tmp_path: Path, target: Target) ->
     whole = sum((tmp_path / f"{target}-auto" / entry.file).stat().st_size for entry in entries.values())
     assert "RADTEX_SRGB" not in exported_facts(SidecarFile.read(sidecar).facts.values, entries)["defines"]
     print(f"{target}: {whole} bytes")
+
+
+def test_rays_of_cells_are_not_exported_where_rays_are_followed(tmp_path: Path) -> None:
+    _, entries = textures_of("glass ball", tmp_path, ExportSpec(Target.WEB))
+    assert list(entries) == [layer for layer in CHANNELS if layer not in (EXIT_DIRECTION, EXIT_PLACE)]
+    assert entries[FIELD].format == HALF
+    assert (entries[FIELD].scale, entries[FIELD].offset) == (1, 0)
+    texture_of(tmp_path / "web-auto", entries[FIELD])
 
 
 def test_levels_of_irradiance_are_means_of_what_is_seen(tmp_path: Path) -> None:

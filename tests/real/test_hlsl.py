@@ -234,11 +234,12 @@ def test_what_is_wrong_with_a_shader_is_told(root: Root, compiler: str) -> None:
         looked_up(root, compiler, LEVEL.replace("radtex_level", "radtex_bukcet"), {}, SIDE)
 
 
-TEXTURES = (  # in the order of the registers
+TEXTURES = (  # in the order of the registers; between these and tangents are a material's own images
     *("colour", "irradiance", "tint", "normal", "width", "alpha", "own", "rest"),
     *("world", "plane", "things", "distances"),
     *("exit_direction", "exit_place", "through_colour", "through_rest"),
 )
+IMAGES = ("radtex_base_map", "radtex_metal_map", "radtex_bump_map")
 LAYERED = """
 #define RADTEX_TEXTURE(k) : register(t##k)
 #define RADTEX_BUFFER(k) : register(b##k)
@@ -269,7 +270,7 @@ def run_layered(
     root: Root, compiler: str, defines: str, case: Case, cost: LookupCost, shown: ImageCase | None = None
 ) -> Floats:
     """The shader's answers, (N, 3) float32; materials are `shown` by images of their own."""
-    assert {*TEXTURES, FIELD} == set(CHANNELS)
+    assert {*TEXTURES, "tangent", FIELD} == set(CHANNELS)
     for name, value in definitions(case.sidecar, cost).items():
         defines += f"#define {name} {value}\n"
     source = defines + LAYERED % ("radtex_layered_through" if case.through else "radtex_layered")
@@ -280,7 +281,7 @@ def run_layered(
         "b2": packed(values, THROUGH_BUFFER),
         "t20": fields(SIDE, *case.fields.values(), *([shown.place] if shown else [])),
     }
-    for k, layer in enumerate(TEXTURES):
+    for k, layer in enumerate((*TEXTURES, *IMAGES, "tangent")):
         if layer in case.textures:
             levels = case.textures[layer]
             resources[f"t{k}"] = image(*(level[::-1] if TOP_DOWN in defines else level for level in levels))
@@ -315,6 +316,7 @@ def packed(values: Values, layout: Mapping[str, int]) -> Floats:
         ("one lobe", ""),
         ("glass ball", ""),
         ("room", ""),
+        ("brushed", ""),
     ],
 )
 def test_the_layered_layout_agrees_with_the_reference(

@@ -27,6 +27,7 @@ from .files.arrangement import (
     OWN,
     PLANE,
     REST,
+    TANGENT,
     THINGS,
     THROUGH_COLOUR,
     THROUGH_REST,
@@ -43,6 +44,7 @@ FORMATS = {
     NORMAL: PixelFormat.BC7,
     WIDTH: PixelFormat.BC4,
     ALPHA: PixelFormat.BC4,
+    TANGENT: PixelFormat.BC7,
     OWN: PixelFormat.BC3_SRGB,
     REST: PixelFormat.BC7,
     WORLD: PixelFormat.BC6H,
@@ -52,7 +54,7 @@ FORMATS = {
     THROUGH_COLOUR: PixelFormat.BC7_SRGB,
     THROUGH_REST: PixelFormat.BC7,
 }
-_MAPS = (COLOUR, IRRADIANCE, TINT, NORMAL, WIDTH, ALPHA, THROUGH_COLOUR)
+_MAPS = (COLOUR, IRRADIANCE, TINT, NORMAL, WIDTH, ALPHA, TANGENT, THROUGH_COLOUR)
 _BRIGHTEST = 4.0  # of what the object shows of itself: a wider range has coarser steps in the dark
 # Widest ranges in eight bits: with wider ones steps would be seen in what is dark, or all of it be grey.
 _WIDEST = {REST: 4.0, THROUGH_REST: 4.0, PLANE: 16.0, THINGS: 16.0}
@@ -128,7 +130,7 @@ def _range(layer: str, image: Floats) -> tuple[float, float]:
     if layer in CLEAR_ALPHA:
         brightest = max(float(image[..., :3].max()), 1e-6)
         return (min(brightest, _BRIGHTEST) if layer == OWN else brightest), 0.0
-    if layer == NORMAL:
+    if layer in (NORMAL, TANGENT):
         return 2.0, -1.0
     if layer == ALPHA:
         return 1.0, 0.0

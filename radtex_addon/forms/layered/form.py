@@ -48,6 +48,7 @@ from .files.arrangement import (
     OWN,
     PICTURES,
     REST,
+    TANGENT,
     THROUGH_COLOUR,
     THROUGH_REST,
     TINT,
@@ -188,7 +189,7 @@ def _most_shapes(texels: int) -> Shapes:
     side = max(1, round(texels / coarser(texels)))
     fine, coarse = (round(finer(texels) * texels),) * 2, padded_size((side, side))
     sizes = dict.fromkeys((COLOUR, TINT, NORMAL, WIDTH, ALPHA), fine)
-    sizes[IRRADIANCE] = (texels, texels)
+    sizes |= dict.fromkeys((IRRADIANCE, TANGENT), (texels, texels))
     sizes |= dict.fromkeys(PICTURES, packed_size(PICTURE_SIZE, level_count(PICTURE_SIZE)))
     sizes |= {DISTANCES: (DISTANCE_CELLS,) * 2, THROUGH_COLOUR: (side, side)}
     tiles = {OWN: CELLS[0].own, REST: CELLS[0].rest, THROUGH_REST: THROUGH_CELLS}

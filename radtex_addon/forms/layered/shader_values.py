@@ -32,6 +32,7 @@ from .files.arrangement import (
     OWN,
     PLANE,
     REST,
+    TANGENT,
     THINGS,
     THROUGH_COLOUR,
     THROUGH_REST,
@@ -40,7 +41,7 @@ from .files.arrangement import (
     WORLD,
     padded_size,
 )
-from .files.sidecar import LayeredSidecar
+from .files.sidecar import LayeredSidecar, ThroughCells
 from .lookup.distance_field import columns_of
 from .lookup.environment import MOST_BOXES, MOST_LAMPS, MOST_PLANES, Lamp, Plane, Shell
 from .lookup.images import ROWS
@@ -49,11 +50,11 @@ from .lookup.lobes import STEPS, Material
 
 Values = dict[str, list[float] | list[list[float]]]
 
-_OF_MIRRORS = (TINT, WIDTH, OWN)  # read only where a material has lobes
+_OF_MIRRORS = (TINT, WIDTH, TANGENT, OWN)  # read only where a material has lobes
 _SURROUNDINGS = (WORLD, PLANE, THINGS, DISTANCES)
 _COLOURS = (COLOUR, TINT, OWN, PLANE, THINGS, THROUGH_COLOUR)  # in blocks they are coded as sRGB
 _UNDECODED = (PixelFormat.BC3, PixelFormat.BC7)
-_OPTIONAL = (TINT, NORMAL, WIDTH, ALPHA, PLANE, THINGS)  # defined by their names
+_OPTIONAL = (TINT, NORMAL, WIDTH, ALPHA, TANGENT, PLANE, THINGS)  # defined by their names
 
 
 @dataclass(frozen=True)
@@ -96,7 +97,8 @@ class LookupCost:
 # The uniforms of the buffers that HLSL and WGSL declare, in order, and how many vectors each has.
 BAKE_BUFFER = {
     "radtex_middle": 1,
-    **{f"radtex_{layer}_range": 1 for layer in (COLOUR, IRRADIANCE, TINT, NORMAL, WIDTH, ALPHA, OWN, REST)},
+    **{f"radtex_{layer}_range": 1 for layer in (COLOUR, IRRADIANCE, TINT, NORMAL, WIDTH, ALPHA, TANGENT)},
+    **{f"radtex_{layer}_range": 1 for layer in (OWN, REST)},
     "radtex_own_tile": 1,
     "radtex_rest_tile": 1,
     **{f"radtex_{layer}_range": 1 for layer in _SURROUNDINGS},
@@ -113,7 +115,7 @@ BAKE_BUFFER = {
     "radtex_lamp_across": MOST_LAMPS,
     "radtex_lamp_up": MOST_LAMPS,
 }
-MATERIAL_BUFFER = {"radtex_material": STEPS, "radtex_lobes": 2 * STEPS, "radtex_gloss": 1}
+MATERIAL_BUFFER = {"radtex_material": STEPS, "radtex_lobes": 2 * STEPS, "radtex_gloss": 1, "radtex_brush": 1}
 IMAGES_BUFFER = {IMAGES: ROWS}  # of a material by its own images; in HLSL alone
 THROUGH_BUFFER = {
     "radtex_exit_direction_range": 1,
@@ -200,6 +202,9 @@ def definitions(sidecar: LayeredSidecar, cost: LookupCost = DEFAULT) -> dict[str
     found |= {"RADTEX_LAMPS": lamps, "RADTEX_REST_CELLS": sidecar.rest_cells}
     if lamps and any(lamp.shape is not None for lamp in sidecar.lamps):
         found["RADTEX_SHAPES"] = 1
+    room = PLANE in layers and isinstance(sidecar.plane, Shell)
+    if lamps and not room and any(lamp.behind for lamp in sidecar.lamps):
+        found["RADTEX_BEHIND"] = 1
     if PLANE in layers and isinstance(sidecar.plane, Shell):
         found["RADTEX_SHELL"] = len(sidecar.plane.heights)
     if THINGS in layers and len(sidecar.boxes):
@@ -214,13 +219,16 @@ def definitions(sidecar: LayeredSidecar, cost: LookupCost = DEFAULT) -> dict[str
         found["RADTEX_TEMPORAL"] = 1
     if sidecar.glosses:
         found["RADTEX_GLOSSES"] = 1
-    if sidecar.through is not None:
-        found |= {"RADTEX_THROUGH": 1, "RADTEX_THROUGH_CELLS": sidecar.through.rest}
-        if FIELD in layers:
-            found["RADTEX_FIELD"] = 1
-        else:
-            found |= {"RADTEX_EXIT_TAPS": cost.exit_taps, "RADTEX_EXIT_CELLS": sidecar.through.exits}
-    return found
+    return found | _through_definitions(sidecar.through, cost)
+
+
+def _through_definitions(through: ThroughCells | None, cost: LookupCost) -> dict[str, int]:
+    if through is None:
+        return {}
+    found = {"RADTEX_THROUGH": 1, "RADTEX_THROUGH_CELLS": through.rest}
+    if through.field is not None:
+        return found | {"RADTEX_FIELD": 1}
+    return found | {"RADTEX_EXIT_TAPS": cost.exit_taps, "RADTEX_EXIT_CELLS": through.exits}
 
 
 def bake_values(sidecar: LayeredSidecar, stored: Mapping[str, Stored], cost: LookupCost = DEFAULT) -> Values:
@@ -325,6 +333,8 @@ def material_values(sidecar: LayeredSidecar, number: int, cost: LookupCost = DEF
     if sidecar.glosses:
         gloss = material.gloss
         values["radtex_gloss"] = [_row([0] * 4 if gloss is None else [*gloss.colour, gloss.width])]
+    if sidecar.brushes:
+        values["radtex_brush"] = [_row([*(material.brush or (0, 0)), 0, 0])]
     look = sidecar.every_look[number]
     if look is not None:
         values[IMAGES] = _rows(np.array(look.rows))

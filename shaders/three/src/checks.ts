@@ -18,14 +18,16 @@ const FORMATS = [
 ];
 const ARRANGEMENTS = ["matrix", "slices", "image", "words", "tree"];
 const LAYERS = [
-  ...["colour", "irradiance", "tint", "normal", "width", "alpha", "own", "rest", "world", "plane", "things", "distances"],
+  ...["colour", "irradiance", "tint", "normal", "width", "alpha", "tangent", "own", "rest", "world", "plane", "things", "distances"],
   ...["exit_direction", "exit_place", "field", "through_colour", "through_rest"],
 ];
 // What may be defined in a shader of the layered layout, and from which whole number to which.
 const DEFINES = new Map<string, Range>([
-  ...["TINT", "NORMAL", "WIDTH", "ALPHA", "PLANE", "THINGS", "MIRRORS", "GLOSSES", "SHAPES", "THROUGH", "FIELD", "SRGB"].map(
+  ...["TINT", "NORMAL", "WIDTH", "ALPHA", "TANGENT", "PLANE", "THINGS", "MIRRORS", "GLOSSES", "SHAPES", "BEHIND", "THROUGH"].map(
     (name): [string, Range] => [`RADTEX_${name}`, [1, 1]],
   ),
+  ["RADTEX_FIELD", [1, 1]],
+  ["RADTEX_SRGB", [1, 1]],
   ...["OWN_CELLS", "REST_CELLS", "EXIT_CELLS", "THROUGH_CELLS"].map((name): [string, Range] => [`RADTEX_${name}`, [1, 64]]),
   ["RADTEX_LAMPS", [0, 8]],
   ["RADTEX_SHELL", [2, 8]],
@@ -59,6 +61,7 @@ const OF_MATERIAL = new Map([
   ["radtex_material", 16],
   ["radtex_lobes", 32],
   ["radtex_gloss", 1],
+  ["radtex_brush", 1],
   [OF_IMAGES, 3],
 ]);
 const MOST_PIXELS = 16384;

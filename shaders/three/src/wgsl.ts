@@ -33,6 +33,7 @@ const RENAMED: Record<string, string> = {
   radtex_material: "radtex_of.curves",
   radtex_lobes: "radtex_of.lobes",
   radtex_gloss: "radtex_of.gloss",
+  radtex_brush: "radtex_of.brush",
   radtex_images: "radtex_images",
 };
 const BOUND = /^@group\(1\) @binding\(\d+\) var(?:<uniform>)? (\w+): .*$/gm;

@@ -43,7 +43,7 @@ from ..samples import ExitSamples, LayeredSamples, OwnRays
 from .clear_shape import find_distance_field
 from .enclosed import enclosed
 from .exits import capture_exits
-from .gloss_maps import capture_gloss, sharpest_width, within_texels
+from .gloss_maps import capture_gloss, capture_tangents, may_be_brushed, sharpest_width, within_texels
 from .lamps import find_lamps, refuse_negative_lamps
 from .light_map import capture_light_map
 from .material_maps import capture_maps, depends_on_angle
@@ -56,6 +56,7 @@ from .room import Room, find_room
 from .source_rays import capture_source_rays
 from .stored_surroundings import around_of, arrays_of, arrays_of_field, field_of
 from .surface_alone import Clear, surface_alone
+from .world_lights import with_world_lights
 
 log = logging.getLogger(__name__)
 
@@ -310,6 +311,7 @@ class _Captures:
         room, passing = self._room(lit)
         fine_maps = self._fine_maps(fine, triangle)
         coarse_maps = self._maps("coarse", plan_capture(texels, 1, without=without))
+        coarse_maps |= self._tangents(plan_capture(texels, 1, without=without))
         return _Ready(
             texels=texels,
             without=without,
@@ -456,6 +458,18 @@ class _Captures:
         kept = self.store.get_or_make(f"maps-{name}", capture)
         return {name: stowed(values) for name, values in kept.items()}
 
+    def _tangents(self, plan: CapturePlan) -> dict[str, Floats]:
+        """A map of the tangents along which the objects are brushed, if any is."""
+        if self.known is not None or not may_be_brushed(self.bodies):
+            return {}
+
+        def capture() -> Arrays:
+            found = capture_tangents(self.scratch, self.bodies, plan, self.spec.seed, self.folder)
+            assert found is not None
+            return {"tangent": plan.placed(found, gutter=True)}
+
+        return dict(self.store.get_or_make("maps-tangent", capture))
+
     def _own(self, ready: _Ready) -> OwnRays:
         """What the objects show of themselves."""
         prepared, plan, opacity = self.prepared, self._own_plan(ready), ready.opacity
@@ -505,6 +519,8 @@ class _Captures:
                     copy, unseen, middle, radius, self.folder, self.spec.seed, share, room, known_as
                 )
             around = Around(middle, seen.world, seen.layers, lamps)
+            if may_be_brushed(self.bodies):
+                around = with_world_lights(around)
             return arrays_of(around) | {"paths": np.array([seen.paths], dtype=np.int64)}
 
         kept = self.store.get_or_make(_named(Part.AROUND, through), capture)

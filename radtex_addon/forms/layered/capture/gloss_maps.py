@@ -3,12 +3,14 @@
 """How wide a surface spreads what it mirrors, evaluated exactly: the roughness of its shaders, a ray a texel.
 
 Materials are replaced by copies in which each shader that mirrors emits its lobe's width² for its roughness,
-and all others are black. So mixes, sums and groups of shaders blend widths as they blend light.
+and all others are black. So mixes, sums and groups of shaders blend widths as they blend light. Along what
+metal is brushed is asked likewise: shaders emit their tangents.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+import math
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, cast
 
@@ -36,6 +38,9 @@ _MIRRORS = frozenset({"BSDF_PRINCIPLED", "BSDF_GLOSSY", "BSDF_METALLIC", "BSDF_G
 _UNKNOWN = frozenset(  # they mirror, or may do so, by no roughness of GGX's
     {"SCRIPT", "BSDF_TOON", "BSDF_HAIR", "BSDF_HAIR_PRINCIPLED", "EEVEE_SPECULAR", "BSDF_RAY_PORTAL"}
 )
+_BRUSHED = frozenset({"BSDF_PRINCIPLED", "BSDF_GLOSSY", "BSDF_METALLIC"})
+_LEAST_BRUSHED = 0.02  # anisotropy
+_LEAST_LENGTH = 0.1  # of the mean of unit tangents, below which they tell of no direction
 _QUARTERS = tuple((x, y) for x in (-0.25, 0.25) for y in (-0.25, 0.25))  # four points tell a texel's mean
 _SHARPEST = 0.01  # quantile of widths that vary
 _DIELECTRIC = 0.04  # of a Principled shader's light, what it mirrors where it is no metal
@@ -117,8 +122,57 @@ def capture_gloss(
     used = _used(bodies)
     if not any(map(may_vary, used)):
         return None
+    coded, light, _ = _emitted(scene, bodies, plans, _shows_width, seed, folder).T
+    width = np.full((len(light), 1), np.nan, dtype=np.float32)
+    known = light > 0
+    width[known, 0] = (np.clip(coded[known] / light[known], 0, 1) - 1) * OCTAVES
+    return width
+
+
+def is_brushed(material: bpy.types.Material) -> bool:
+    """Whether a material may be brushed metal: its shaders that mirror are anisotropic, or may be so.
+
+    Not under a coat, and not where shaders are added: what they emit would not be the mean of their tangents.
+    """
+    nodes = list(_shaders(material.node_tree, set()))
+    if any(node.type in _UNKNOWN or _is_above(node.inputs.get("Coat Weight"), 0) for node in nodes):
+        return False
+    added = any(node.type == "ADD_SHADER" for node in _nodes(material.node_tree, set()))
+    return not added and any(map(_is_anisotropic, nodes))
+
+
+def may_be_brushed(bodies: Sequence[Body]) -> bool:
+    """Whether any material of the bodies may be brushed metal."""
+    return any(map(is_brushed, _used(bodies)))
+
+
+def capture_tangents(
+    scene: bpy.types.Scene, bodies: Sequence[Body], plan: CapturePlan, seed: int, folder: Path
+) -> Floats | None:
+    """Along what the bodies are brushed, at a plan of one cell: unit vectors in world space, (K, 3) float32.
+
+    0 where they are not; None if no material is. Raises BakeError where Cycles fails.
+    """
+    if not may_be_brushed(bodies):
+        return None
+    found = 2 * _emitted(scene, bodies, [plan], _shows_tangent, seed, folder) - 1
+    length = np.linalg.norm(found, axis=1, keepdims=True)
+    known = (length > _LEAST_LENGTH) & (length < 2 - _LEAST_LENGTH)  # no ray that misses, which sees -1
+    tangent: Floats = np.where(known & (found > -1 + 1e-6).any(axis=1, keepdims=True), found / length, 0)
+    return tangent.astype(np.float32)
+
+
+def _emitted(
+    scene: bpy.types.Scene,
+    bodies: Sequence[Body],
+    plans: Iterable[CapturePlan],
+    shows: Callable[[bpy.types.Material], bpy.types.Material],
+    seed: int,
+    folder: Path,
+) -> Floats:
+    """The sums of what the plans' rays see, (K, 3), with each material replaced by what it `shows`."""
     with path_ends(scene, bodies, (), np.zeros(3, np.float32)) as ends:
-        shown = {material: _shows_width(material) for material in used}
+        shown = {material: shows(material) for material in _used(bodies)}
         for body, copy in zip(bodies, ends.copies, strict=True):
             for index, material in enumerate(body.mesh.materials):
                 if material is not None:
@@ -132,20 +186,16 @@ def capture_gloss(
             total = next(seen)
             for each in seen:
                 total += each
-    coded, light = total.T
-    width = np.full((len(light), 1), np.nan, dtype=np.float32)
-    known = light > 0
-    width[known, 0] = (np.clip(coded[known] / light[known], 0, 1) - 1) * OCTAVES
-    return width
+    return total
 
 
 def _seen(scene: bpy.types.Scene, plan: CapturePlan, seed: int, folder: Path) -> Floats:
-    """The coded widths times light, and light, that a plan's rays see: (K, 2)."""
+    """What a plan's rays see: (K, 3)."""
     with scene_copied(scene) as copy:
         aim = Aim(straight_shifts(len(plan.texel)))
         capture = PortalCapture(copy, plan, Kind.RADIANCE, 1, seed, folder, aim)
         parts = [
-            large_arrays.copied(capture.render_passes(tile).raw_whole[..., :2].reshape(-1, 2))
+            large_arrays.copied(capture.render_passes(tile).raw_whole[..., :3].reshape(-1, 3))
             for tile in tiles_of(plan)
         ]
     return large_arrays.concatenated(parts)
@@ -153,6 +203,13 @@ def _seen(scene: bpy.types.Scene, plan: CapturePlan, seed: int, folder: Path) ->
 
 def _shaders(tree: Any, seen: set[Any]) -> Iterator[Any]:
     """The shader nodes of a tree and its groups that are not muted, each tree's once."""
+    for node in _nodes(tree, seen):
+        if node.type not in _BLENDS and any(socket.type == "SHADER" for socket in node.outputs):
+            yield node
+
+
+def _nodes(tree: Any, seen: set[Any]) -> Iterator[Any]:
+    """The nodes of a tree and its groups that are not muted, but the groups, each tree's once."""
     if tree is None or tree in seen:
         return
     seen.add(tree)
@@ -160,49 +217,106 @@ def _shaders(tree: Any, seen: set[Any]) -> Iterator[Any]:
         if node.mute:
             continue
         if node.type == "GROUP":
-            yield from _shaders(node.node_tree, seen)
-        elif node.type not in _BLENDS and any(socket.type == "SHADER" for socket in node.outputs):
+            yield from _nodes(node.node_tree, seen)
+        else:
             yield node
+
+
+def _is_anisotropic(node: Any) -> bool:
+    """Whether a shader mirrors more widely along its tangent, or across it."""
+    return node.type in _BRUSHED and _is_above(_of(node, "Anisotropic", "Anisotropy"), _LEAST_BRUSHED)
+
+
+def _is_above(socket: Any, least: float) -> bool:
+    """Whether a socket, if there is one, may have a value of more than that, or less than minus that."""
+    return socket is not None and (socket.is_linked or abs(socket.default_value) > least)
+
+
+def _of(node: Any, *names: str) -> Any:
+    """The first of a node's inputs that it has; None without any."""
+    return next((node.inputs[name] for name in names if name in node.inputs), None)
 
 
 def _shows_width(material: bpy.types.Material) -> bpy.types.Material:
     """A copy that emits, as red, the coded width² times the light that it is of, as green."""
+    return _shows(material, is_known(material), _width_shown)
+
+
+def _shows_tangent(material: bpy.types.Material) -> bpy.types.Material:
+    """A copy that emits half of its unit tangent and a half; of what is not brushed the tangent is 0."""
+    return _shows(material, is_brushed(material), _tangent_shown)
+
+
+_Emits = Callable[[NodeBuilder, Any], Operand | None]
+
+
+def _shows(material: bpy.types.Material, known: bool, emits: _Emits) -> bpy.types.Material:
+    """A copy in which each shader emits what is asked of it; if that is not `known`, none does."""
     copy = cast(bpy.types.Material, material.copy())
     if copy.node_tree is not None:
-        if is_known(material):
-            _show_widths(copy.node_tree, {})
+        if known:
+            _show(copy.node_tree, {}, emits)
         else:
             copy.node_tree.nodes.clear()
     cast(Any, copy).cycles.emission_sampling = "NONE"
     return copy
 
 
-def _show_widths(tree: Any, copied: dict[Any, Any]) -> None:
-    """Let the shaders of a tree, and of its groups, which are copied, each once, emit their widths."""
+def _show(tree: Any, copied: dict[Any, Any], emits: _Emits) -> None:
+    """Let the shaders of a tree, and of its groups, which are copied, each once, emit what `emits` says."""
     build = NodeBuilder(tree)
     for node in list(tree.nodes):
         if node.type == "GROUP" and node.node_tree is not None:
             if node.node_tree not in copied:
                 copy = copied[node.node_tree] = node.node_tree.copy()
-                _show_widths(copy, copied)
+                _show(copy, copied, emits)
             node.node_tree = copied[node.node_tree]
         elif node.type not in _BLENDS:
-            _show_width(build, node)
+            _replace(build, node, emits)
 
 
-def _show_width(build: NodeBuilder, node: Any) -> None:
-    """Put the emission of a shader's width, or nothing where it mirrors nothing, where the shader goes."""
+def _replace(build: NodeBuilder, node: Any, emits: _Emits) -> None:
+    """Put the emission of what is asked of a shader, or nothing, where the shader goes."""
     links = [link for socket in node.outputs if socket.type == "SHADER" for link in socket.links]
     fed = [link.to_socket for link in links]
     for link in links:
         build.tree.links.remove(link)
-    if not fed or node.mute or node.type not in _MIRRORS:
+    shown = None if not fed or node.mute else emits(build, node)
+    if shown is None:
         return
-    light = _share_mirrored(build, node)
-    coded = build.math("MULTIPLY", _coded_width(build, _value(node.inputs["Roughness"])), light)
-    emission = build.node("ShaderNodeEmission", build.combine(coded, light), 1.0).outputs[0]
+    emission = build.node("ShaderNodeEmission", shown, 1.0).outputs[0]
     for socket in fed:
         build.feed(socket, emission)
+
+
+def _width_shown(build: NodeBuilder, node: Any) -> Operand | None:
+    """A shader's coded width² times light, and light; None where it mirrors nothing."""
+    if node.type not in _MIRRORS:
+        return None
+    light = _share_mirrored(build, node)
+    coded = build.math("MULTIPLY", _coded_width(build, _value(node.inputs["Roughness"])), light)
+    return build.combine(coded, light)
+
+
+def _tangent_shown(build: NodeBuilder, node: Any) -> Operand | None:
+    """Half of a shader's unit tangent, turned as it says, and a half, which is all of what has none."""
+    if not any(socket.type == "SHADER" for socket in node.outputs):
+        return None
+    if not _is_anisotropic(node):
+        return (0.5, 0.5, 0.5, 1.0)
+    given = node.inputs["Tangent"]
+    tangent = cast(Socket, given.links[0].from_socket) if given.is_linked else build.geometry("Tangent")
+    turns = _of(node, "Anisotropic Rotation", "Rotation")
+    if _is_above(turns, 0):
+        angle = build.math("MULTIPLY", _value(turns), 2 * math.pi)
+        turn = build.node("ShaderNodeVectorRotate", rotation_type="AXIS_ANGLE")
+        for name, operand in (
+            ("Vector", tangent), ("Axis", build.geometry("Normal")), ("Angle", angle)
+        ):  # fmt: skip
+            build.feed(turn.inputs[name], operand)
+        tangent = turn.outputs[0]
+    unit = build.vector("NORMALIZE", tangent)
+    return build.vector("MULTIPLY_ADD", unit, (0.5, 0.5, 0.5), (0.5, 0.5, 0.5))
 
 
 def _share_mirrored(build: NodeBuilder, node: Any) -> Operand:

@@ -24,6 +24,7 @@ from ..lookup.environment import Impostor, Pictures, SurroundingLayer
 from ..lookup.ways import Through
 
 COLOUR, IRRADIANCE, TINT, NORMAL, WIDTH, ALPHA = "colour", "irradiance", "tint", "normal", "width", "alpha"
+TANGENT = "tangent"
 OWN, REST = "own", "rest"
 WORLD, PLANE, THINGS, DISTANCES = "world", "plane", "things", "distances"
 EXIT_DIRECTION, EXIT_PLACE, FIELD = "exit_direction", "exit_place", "field"
@@ -37,6 +38,7 @@ CHANNELS = {
     NORMAL: 3,
     WIDTH: 1,
     ALPHA: 1,
+    TANGENT: 3,
     OWN: 4,
     REST: 3,
     WORLD: 3,
@@ -67,6 +69,7 @@ def arranged(atlas: LayeredAtlas) -> dict[str, Floats]:
         NORMAL: atlas.normal,
         WIDTH: atlas.width,
         ALPHA: atlas.alpha,
+        TANGENT: atlas.tangent,
         OWN: tiled(atlas.own),
         REST: tiled(atlas.rest),
         WORLD: packed(levels_on_edges(atlas.around.world)),

@@ -29,6 +29,7 @@ from .arrangement import (
     OWN,
     PLANE,
     REST,
+    TANGENT,
     THINGS,
     TINT,
     WIDTH,
@@ -40,7 +41,7 @@ from .arrangement import (
 )
 from .sidecar import LayeredSidecar
 
-_NO_LIGHT = frozenset({NORMAL, WIDTH, ALPHA, DISTANCES, EXIT_DIRECTION, EXIT_PLACE, FIELD, OWN})
+_NO_LIGHT = frozenset({NORMAL, WIDTH, ALPHA, TANGENT, DISTANCES, EXIT_DIRECTION, EXIT_PLACE, FIELD, OWN})
 
 
 def write_layered(
@@ -111,6 +112,7 @@ def atlas_of(images: dict[str, Floats], facts: LayeredSidecar) -> LayeredAtlas:
         if through is None
         else through_of(images, through.exits, through.rest, facts.coarse, through.field),
         alpha=images.get(ALPHA),
+        tangent=images.get(TANGENT),
         looks=facts.looks,
     )
 

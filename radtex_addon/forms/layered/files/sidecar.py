@@ -44,6 +44,7 @@ from .arrangement import (
     PICTURES,
     PLANE,
     REST,
+    TANGENT,
     THINGS,
     THROUGH_COLOUR,
     THROUGH_REST,
@@ -63,7 +64,7 @@ _MOST_REFLECTIONS = 1024
 MOST_MATERIALS = 1024  # of one atlas: a bake of more is refused before its first ray
 _COLOURS_OF_LOOK = ("diffuse", "dielectric", "metal")
 _STRONGEST = 1000.0  # normal map, or factor of an image
-_MAPS = (TINT, NORMAL, WIDTH, ALPHA)
+_MAPS = (TINT, NORMAL, WIDTH, ALPHA, TANGENT)
 
 
 @dataclass(frozen=True)
@@ -186,7 +187,8 @@ class LayeredSidecar:
         """Each layer's width, height and channels."""
         bake = self.bake
         sizes = dict.fromkeys((COLOUR, TINT, NORMAL, ALPHA), self.colour)
-        sizes |= {IRRADIANCE: (bake.width, bake.height), WIDTH: self.width}
+        sizes |= dict.fromkeys((IRRADIANCE, TANGENT), (bake.width, bake.height))
+        sizes[WIDTH] = self.width
         sizes |= {OWN: _tiles(self.coarse, self.own_cells), REST: _tiles(self.rest, self.rest_cells)}
         sizes |= {name: packed_size(found.size, found.levels) for name, found in self.pictures.items()}
         sizes[DISTANCES] = (self.distances, self.distances)
@@ -206,6 +208,11 @@ class LayeredSidecar:
     def second_lobes(self) -> bool:
         """Whether any of the materials has a second lobe."""
         return any(material.weight[1].any() for material in self.materials)
+
+    @property
+    def brushes(self) -> bool:
+        """Whether any material is brushed, and there are tangents."""
+        return TANGENT in self.bake.layers and any(material.brush for material in self.materials)
 
     @property
     def glosses(self) -> bool:
@@ -283,6 +290,7 @@ class LayeredSidecar:
                 ],
                 "bend": _row(material.bend),
                 **({} if material.gloss is None else {"gloss": _gloss_facts(material.gloss)}),
+                **({} if material.brush is None else {"brush": [_short(width) for width in material.brush]}),
                 **({} if look is None else {"images": _look_facts(look)}),
             }
             for falloff, material, look in zip(self.falloff, self.materials, self.every_look, strict=True)
@@ -361,6 +369,7 @@ class LayeredSidecar:
         found += [np.array(look.rows) for look in self.looks if look is not None]
         for material in self.materials:
             found += [material.weight, np.log(material.variance), material.bend]
+            found += [] if material.brush is None else [np.log(material.brush)]
         for lamp in self.lamps:
             found += [lamp.place, lamp.irradiance, np.log([lamp.variance])]
             if lamp.shape is not None:
@@ -486,7 +495,17 @@ def _material(facts: Facts) -> Material:
     if "gloss" in facts.values:
         told = facts.inner("gloss")
         gloss = Gloss(_floats(told.numbers("colour", 3)), told.number("width"))
-    return Material(weight, variance, _floats(facts.numbers("bend", STEPS)), gloss)
+    return Material(weight, variance, _floats(facts.numbers("bend", STEPS)), gloss, _brush(facts))
+
+
+def _brush(facts: Facts) -> tuple[float, float] | None:
+    """The width² of brushed metal along the tangent and across it."""
+    if "brush" not in facts.values:
+        return None
+    along, across = facts.numbers("brush", 2)
+    if min(along, across) <= 0:
+        raise FormatError(f"{facts.source} has a brush whose width is not above 0")
+    return along, across
 
 
 def _gloss_facts(gloss: Gloss) -> dict[str, Any]:

@@ -203,6 +203,7 @@ class _Fit:
                     surface.around, surface.materials, _for_each(offset[some], each).T,
                     axis.reshape(3, -1).T, _for_each(surface.normal[some], each).T, cosine.ravel(),
                     material, width, surface.lit_at(number[some].repeat(each)),
+                    tangent=surface.tangent_at(number[some].repeat(each)),
                 )
             )  # fmt: skip
             for model, kept in zip(models, shown, strict=True):

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
+from collections.abc import Generator, Sequence
 from dataclasses import replace
 from typing import cast
 
@@ -33,7 +33,7 @@ from .known import Known
 from .light_map import LightMap
 from .lobes import Paths
 from .own_light import Surface
-from .texel_maps import mean_colours, shading_normals, tints
+from .texel_maps import at_texels, mean_colours, shading_normals, tints
 from .through import fit_through, fit_through_rest
 from .turned import mirrored_about, octahedral
 from .view_dependence import view_dependence
@@ -76,7 +76,10 @@ def fit_layered(
         paths = _open_paths(capture, capture.alone, normal, alone, grid)
         vary = parts.widths and normal_map is None  # normals that vary in a texel would count as roughness
         glossy = mean_colours(capture.material, capture.coarse["glossy"], plan) if parts.tint else None
-        lobes = fit_lobes(paths, capture.material, neighbours, vary, _evaluated(capture, parts), tint, glossy)
+        lobes = fit_lobes(
+            paths, capture.material, neighbours, vary, _evaluated(capture, parts), tint, glossy,
+            at_texels(capture.coarse.get("tangent"), plan),
+        )  # fmt: skip
         width_map = lobes.image(plan, capture.fine)
         del paths
     else:
@@ -85,10 +88,11 @@ def fit_layered(
     materials = lobes.materials
     if not parts.second_lobe:
         materials = tuple(map(_single, materials))
+    tangent_map = _tangents(capture, known, materials)
     surface = Surface(
         grid, normal, irradiance * colour, falloff, tint,
         lobes.width, capture.material, materials, around, free,
-        Lit.of(plan.normals, irradiance, colour),
+        Lit.of(plan.normals, irradiance, colour), at_texels(tangent_map, plan),
     )  # fmt: skip
     yield Progress(Stage.FIT, 3, _STEPS)
     found = fit_buckets(surface, own, light, used, parts, known)
@@ -114,6 +118,7 @@ def fit_layered(
         rest=found.rest_grid.placed(rest),
         through=through,
         alpha=capture.alpha,
+        tangent=tangent_map,
     )
 
 
@@ -156,6 +161,14 @@ def _evaluated(capture: LayeredSamples, parts: Parts) -> Floats | None:
     """As for `fit_lobes`."""
     found = capture.coarse.get("width")
     return None if found is None or not parts.widths else found.reshape(-1)[capture.light.plan.texel]
+
+
+def _tangents(capture: LayeredSamples, known: Known | None, materials: Sequence[Material]) -> Floats | None:
+    """The map of tangents (H, W, 3), None where no material is brushed."""
+    if not any(material.brush for material in materials):
+        return None
+    found = capture.coarse["tangent"] if known is None else known.atlas.tangent
+    return None if found is None else large_arrays.as_type(found, np.float32)
 
 
 def _known_lobes(known: Known | None, plan: CapturePlan) -> tuple[Lobes, Floats | None]:

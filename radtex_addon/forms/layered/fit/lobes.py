@@ -37,6 +37,8 @@ _LITTLE, _MORE = 0.005, 0.02  # of the mean log-likelihood: what a second lobe m
 _WIDER = 1.5  # … where one lobe has less than so many times the variance of the stronger of two
 _FACING = 13  # the first step of N.V where a surface reflects about as much as along its normal
 _MOST_MET = 1.25  # times as much light, at most, as those paths tell that leave the object
+_BRUSHED = 1.5  # times as much width² along the tangent as across it, or less than one over that
+_UPRIGHT = 0.6  # N.V, above which facets' slopes are hardly hidden by one another
 END = 0.5  # length of a direction: where paths differ too much it is shorter
 
 
@@ -91,16 +93,21 @@ class Paths:
         return large_arrays.from_blocks(len(self.texel), lambda some: self.weight[some] @ LUMINANCE)
 
 
-def fit_materials(paths: Paths, count: int) -> tuple[Material, ...]:
+def fit_materials(paths: Paths, count: int, tangent: Floats | None = None) -> tuple[Material, ...]:
     """The lobes of so many materials; those without paths mirror nothing.
+
+    `tangent` (K, 3): along what texels may be brushed, 0 where they are not. A brushed material has one lobe.
 
     A material has one lobe, the weight of the second being 0, where two tell hardly more of its paths,
     or little more and one is hardly wider than the stronger of two.
     """
-    return tuple(_fit_lobes(paths, number) for number in range(count))
+    return tuple(_fit_lobes(paths, number, tangent) for number in range(count))
 
 
-def _fit_lobes(paths: Paths, number: int) -> Material:
+def _fit_lobes(paths: Paths, number: int, tangent: Floats | None) -> Material:
+    brush = None if tangent is None else fit_brush(paths.of(number), tangent)
+    if brush is not None:
+        return replace(_fit_material(paths, number, 1), brush=brush)
     one, two = (_fit_material(paths, number, lobes) for lobes in (1, LOBES))
     some = paths.of(number)
     stronger = two.weight[:, _FACING].sum(axis=1).argmax()
@@ -171,6 +178,38 @@ def _likeliest(paths: Paths, near: Ints, lobes: int) -> tuple[Floats, Floats, fl
         return _NO_SECOND, variance.repeat(LOBES), bend
     order = np.argsort(variance)
     return share[order], variance[order], bend
+
+
+def fit_brush(paths: Paths, tangent: Floats) -> tuple[float, float] | None:
+    """The width² of one material's lobe along texels' tangents (K, 3) and across, that are likeliest.
+
+    None where they hardly differ, or few paths tell. Of facets' slopes, seen at N.V above `_UPRIGHT`, GGX is
+    Student's distribution with two degrees of freedom.
+    """
+    told = np.flatnonzero((paths.cosine > _UPRIGHT) & (paths.brightness > 1e-6))
+    told = told[np.linalg.norm(tangent[paths.texel[told]], axis=1) > END]
+    if len(told) < _AT_LEAST:
+        return None
+    if len(told) > _AT_MOST:
+        told = np.random.default_rng(STEPS).choice(told, _AT_MOST, replace=False)
+    some = paths.some(np.sort(told))
+    length = np.linalg.norm(some.end, axis=1, keepdims=True)
+    viewer = 2 * some.cosine[:, None] * some.normal - some.axis
+    half = some.end / np.maximum(length, 1e-6) + viewer
+    half /= np.maximum((half * some.normal).sum(axis=1), 1e-3)[:, None]
+    along = tangent[some.texel]
+    along = along - (along * some.normal).sum(axis=1, keepdims=True) * some.normal
+    along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-6)
+    slopes = np.stack([(half * way).sum(axis=1) for way in (along, np.cross(some.normal, along))])
+    bright = some.brightness * (length[:, 0] > END)
+    if some.width is not None:
+        slopes /= np.sqrt(some.width)
+    squared, width = slopes**2, np.full(2, 0.1)
+    for _ in range(_ROUNDS):
+        pull = bright * 8 / (1 + (2 * squared / width[:, None]).sum(axis=0))
+        width = np.clip((pull * squared).sum(axis=1) / max(bright.sum(), 1e-9), SHARPEST**2, _WIDEST**2)
+    along_it, across = (float(one) for one in width)
+    return (along_it, across) if max(width) > _BRUSHED * min(width) else None
 
 
 def unexplained(paths: Paths, shown_light: Floats) -> float:

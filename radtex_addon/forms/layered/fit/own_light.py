@@ -41,7 +41,8 @@ class Surface:
 
     `normal` (K, 3), the shading normals; `diffuse` (K, 3), along the normal, and its `falloff` by material;
     `tint` (K, 3), `width` (K,), what lobes' width² is multiplied by; `material` (K,); `free` (1, B, n*n), the
-    kept mask, of the `grid`'s buckets. `lit`: by how much light falls on the texels, None for any.
+    kept mask, of the `grid`'s buckets. `lit`: by how much light falls on the texels, None for any. `tangent`
+    (K, 3): along what they are brushed, None if none is.
     """
 
     grid: BucketGrid
@@ -55,6 +56,7 @@ class Surface:
     around: Around
     free: Floats
     lit: Lit | None = None
+    tangent: Floats | None = None
 
     @property
     def plan(self) -> CapturePlan:
@@ -67,6 +69,10 @@ class Surface:
     def lit_at(self, texels: Ints) -> Lit | None:
         """`lit` at some texels."""
         return None if self.lit is None else self.lit.some(texels)
+
+    def tangent_at(self, texels: Ints) -> Floats | None:
+        """`tangent` at some texels."""
+        return None if self.tangent is None else self.tangent[texels]
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,7 +188,7 @@ class _Met:
         shown, share = mirrored_light(
             around, surface.materials, offset.T, mirrored.T, normal.T,
             cosine, surface.material[met], surface.width[met], free, surface.cells,
-            surface.lit_at(met),
+            surface.lit_at(met), tangent=surface.tangent_at(met),
         )  # fmt: skip
         diffuse = surface.diffuse[met] * falloff_at(surface.falloff, surface.material[met], cosine)
         tint = shown_at(

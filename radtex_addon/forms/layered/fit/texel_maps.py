@@ -59,6 +59,11 @@ def tints(
     return tint, large_arrays.from_blocks(len(fine["glossy"]), over_mean, _ROWS)
 
 
+def at_texels(image: Floats | None, plan: CapturePlan) -> Floats | None:
+    """A map (H, W, C) at the plan's texels, (K, C) float32; None without one."""
+    return None if image is None else image.reshape(-1, image.shape[2])[plan.texel].astype(np.float32)
+
+
 def mean_colours(material: Ints, glossy: Floats, plan: CapturePlan, least: int = 0) -> Floats:
     """The mean glossy colour of each material, of the map `glossy` (H, W, 3): (M, 3), 1 without texels.
 

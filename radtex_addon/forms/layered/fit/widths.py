@@ -70,6 +70,7 @@ def fit_lobes(
     evaluated: Floats | None = None,
     tint: Floats | None = None,
     glossy: Floats | None = None,
+    tangent: Floats | None = None,
 ) -> Lobes:
     """The lobes of all materials; `material` (K,) are the texels' numbers.
 
@@ -77,6 +78,7 @@ def fit_lobes(
     not fitted unless they may `vary`, and all 1 where they hardly differ. `tint` (K, 3): what lobes are
     multiplied by, 1 if None; `glossy` (M, 3): the materials' mean glossy colours, if these are known. Where
     weights follow better from both and from roughness than from the tint alone, materials have a `gloss`.
+    `tangent` (K, 3): along what texels may be brushed.
     """
     count = int(material.max()) + 1
     width = _fitted(paths, neighbours, vary)
@@ -103,7 +105,7 @@ def fit_lobes(
                 gloss = Gloss(glossy[number], float(usual[number]))
                 glosses[number] = _take_gloss(paths, number, shown, width, gloss)
         paths = replace(paths, shown=shown)
-    fitted = zip(fit_materials(paths, count), glosses, strict=True)
+    fitted = zip(fit_materials(paths, count, tangent), glosses, strict=True)
     materials = (
         one if gloss is None else replace(as_bright_facing(one), gloss=gloss) for one, gloss in fitted
     )

@@ -18,7 +18,7 @@ from ....core.octahedron import direction_to_octahedron
 from ....core.sampler import bilinear, bilinear_texels
 from .environment import Around, Lit
 from .images import ImageLook, Look
-from .lobes import Material, bent, falloff_at, lifted, seen_free, shown_at
+from .lobes import Brushed, Material, bent, falloff_at, lifted, seen_free, shown_at
 from .ways import Through, look_through
 
 _STEEP = 0.3  # cosine between the mesh's normal and a shading normal, below which that is not used
@@ -33,7 +33,8 @@ class LayeredAtlas:
     `colour` (H', W', 3), `irradiance` (H, W, 3), and each material's `falloff`
     (M, B, 3). `tint`
     (H', W', 3): what lobes' weights are multiplied by; `normal` (H', W', 3), the shading normal in world
-    space; `width` (H, W, 1): log2 of what lobes' width² is multiplied by; None where they do not vary. `own`
+    space; `width` (H, W, 1): log2 of what lobes' width² is multiplied by; None where they do not vary.
+    `tangent` (H, W, 3): along what brushed materials are, in world space; None without any. `own`
     (h, w, n, n, 4): what a texel sees of the object itself along an axis of the octahedron, and how much it
     leaves free; `rest` (h, w, m, m, 3). `through`: the light that comes through, if there is any. `alpha`
     (H', W', 1), None where it is 1 everywhere: `colour` and `tint` are multiplied by it, and nothing else is.
@@ -53,6 +54,7 @@ class LayeredAtlas:
     rest: Floats
     through: Through | None = None
     alpha: Floats | None = None
+    tangent: Floats | None = None
     looks: tuple[ImageLook | None, ...] = ()
 
 
@@ -94,6 +96,7 @@ def sample_layered(atlas: LayeredAtlas, at: Fragments, look: Look | None = None)
     direct, share = mirrored_light(
         atlas.around, atlas.materials, offset, axis, normal, cosine, at.material, width,
         own[3], atlas.own.shape[2], Lit.of(at.normal, irradiance, look.colour), at.spread,
+        None if atlas.tangent is None else bilinear(atlas.tangent, at.uv),
     )  # fmt: skip
     mirrored = direct + share * own[:3]
     alpha = alpha_at(atlas, at.uv)
@@ -130,15 +133,19 @@ def mirrored_light(
     cells: int,
     lit: Lit | None = None,
     spread: Floats | None = None,
+    tangent: Floats | None = None,
 ) -> tuple[Floats, Floats]:
     """What lobes show of the surroundings, (3, N), and how much they show of the object itself, (3, N).
 
     `offset` (N, 3) is from the middle, `axis` (N, 3) the mirror direction, `cosine` (N,) N.V; `width` (N,)
     what the lobes' width² is multiplied by; `free` (N,) what the kept mask of `cells` x `cells` says;
-    `lit` as for `Around.look`; `spread` (N,) what is added to lobes' width², if anything.
+    `lit` as for `Around.look`; `spread` (N,) what is added to lobes' width², if anything; `tangent` (N, 3)
+    along what they are brushed, if they are.
     """
     direct, share = (np.zeros((3, len(axis)), dtype=np.float32) for _ in range(2))
-    for lobe in lobes_light(around, materials, offset, axis, normal, cosine, material, width, lit, spread):
+    for lobe in lobes_light(
+        around, materials, offset, axis, normal, cosine, material, width, lit, spread, tangent
+    ):
         lobe.add_to(direct, share, free, cells)
     return direct, share
 
@@ -173,6 +180,7 @@ def lobes_light(
     width: Floats,
     lit: Lit | None = None,
     spread: Floats | None = None,
+    tangent: Floats | None = None,
 ) -> Iterator[LobeLight]:
     """The lobes of all materials, with nothing before the surroundings; arguments as for `mirrored_light`."""
     for number, lobes in enumerate(materials):
@@ -185,10 +193,14 @@ def lobes_light(
         beside = _rows(offset, some)
         bounds = lit if lit is None or isinstance(some, slice) else lit.some(some)
         more = 0 if spread is None else spread[some]
+        brushed = None
+        if lobes.brush is not None and tangent is not None:
+            wide = [one * width[some] + more for one in lobes.brush]
+            brushed = Brushed.of(_rows(axis, some), _rows(normal, some), tangent[some], *wide)
         for one, wide in zip(weight, (variance * width[some] + more).astype(np.float32), strict=True):
             if not one.any():
                 continue
-            yield LobeLight(some, one, wide, around.look(beside, turned, wide, bounds))
+            yield LobeLight(some, one, wide, around.look(beside, turned, wide, bounds, brushed))
 
 
 def _rows(values: Floats, some: Some) -> Floats:

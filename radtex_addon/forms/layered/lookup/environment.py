@@ -18,7 +18,7 @@ from ....core.octahedron import cell_directions, direction_to_octahedron, octahe
 from ..cells import DISTANCES
 from .blurred_levels import LevelMaps, blurred_levels, level_count, level_sizes, sharpest_variance
 from .lamp_shapes import LampShape
-from .lobes import lobe
+from .lobes import Brushed, lobe
 
 MOST_LAMPS = 8  # that shaders mirror
 STEPS = 2  # by which a ray finds what it meets in such a map
@@ -371,16 +371,20 @@ class Lamp:
     behind: bool = False
     shape: LampShape | None = None
 
-    def light(self, offset: Floats, axis: Floats, variance: Floats) -> Floats:
-        """What rays see of it, blurred by variances (N,): (3, N)."""
+    def light(self, offset: Floats, axis: Floats, variance: Floats, brushed: Brushed | None = None) -> Floats:
+        """What rays see of it, blurred by variances (N,), or by lobes of brushed metal: (3, N)."""
         towards = (self.place[:, None] - offset.T).astype(np.float32)
         distance = np.linalg.norm(towards, axis=0)
         squared = 2 * (1 - (axis.T * towards).sum(axis=0) / distance)
         nearer = float((self.place**2).sum()) / distance**2
         size = self.variance * nearer
-        shown = nearer * lobe(squared, variance + size)
+        if brushed is None:
+            shown = nearer * lobe(squared, variance + size)
+        else:
+            shown = nearer * brushed.towards(towards / distance, size)
         if self.shape is not None:
             shown *= self.shape.facing(towards, self.place)
+        if self.shape is not None and brushed is None:
             sharp = self.shape.share(variance, size)
             some = np.flatnonzero(sharp)
             covered = self.shape.covered(towards[:, some], axis.T[:, some], variance[some])
@@ -397,11 +401,18 @@ class Around:
     layers: tuple[SurroundingLayer, ...]
     lamps: tuple[Lamp, ...]
 
-    def look(self, offset: Floats, axis: Floats, variance: Floats, lit: Lit | None = None) -> Floats:
+    def look(
+        self,
+        offset: Floats,
+        axis: Floats,
+        variance: Floats,
+        lit: Lit | None = None,
+        brushed: Brushed | None = None,
+    ) -> Floats:
         """What rays from offsets (N, 3) from the middle see along unit axes (N, 3): (3, N) float32.
 
         Blurred by variances (N,), radians² along each of two axes. Components had better lie apart in memory.
-        `lit` bounds what places see of lamps that layers are before.
+        `lit` bounds what places see of lamps that layers are before; `brushed`: how they spread lamps' light.
         """
         axis, offset = axis.astype(np.float32), offset.astype(np.float32)
         light = self.world.look(axis, variance)
@@ -409,7 +420,7 @@ class Around:
             seen = layer.seen(offset, axis, variance)
             light = light * (1 - seen[3]) + seen[:3]
         for lamp in self.lamps:
-            shown = lamp.light(offset, axis, variance)
+            shown = lamp.light(offset, axis, variance, brushed)
             light = light + (shown * self._open(offset, lamp, lit) if lamp.behind else shown)
         return light.astype(np.float32)
 

@@ -26,6 +26,7 @@ _EDGE = 0.04  # the sharpest edge that is shown, radians: cells do not tell wher
 SATURATION = 5.0  # of the width² of rough surfaces: see `capture.gloss_maps.width_of`
 _LEAST_WEIGHT = 1e-9
 SHADOWED = 50.0  # one over the least glossy colour of what is no shadow
+_LEAST_TANGENT = 1e-6  # length of a vector that has a direction
 LOWEST = 0.01  # the sine above the surface of the lowest mirror direction, as in Cycles
 LOBES = 2
 STEPS = 16  # of N.V
@@ -58,13 +59,16 @@ class Material:
     """One material's lobes at N.V = (k + 0.5) / STEPS: `weight` (LOBES, STEPS, 3), `variance` (LOBES, STEPS).
 
     `bend` (STEPS,): by how much their axis leaves the mirror direction for the normal, radians. Weights are
-    multiplied by the tint of a place, or with `gloss` by the `reflectance` that follows from it.
+    multiplied by the tint of a place, or with `gloss` by the `reflectance` that follows from it. `brush`: of
+    anisotropic metal, which has one lobe, the width² along the tangent and across it, seen along the normal:
+    lamps are seen by `Brushed`.
     """
 
     weight: Floats
     variance: Floats
     bend: Floats
     gloss: Gloss | None = None
+    brush: tuple[float, float] | None = None
 
     def at(self, cosine: Floats) -> tuple[Floats, Floats, Floats]:
         """Weights (LOBES, 3, N), variances (LOBES, N) and bends (N,) at N.V (N,)."""
@@ -141,6 +145,54 @@ def lobe(squared: Floats, variance: Floats) -> Floats:
     is Student's distribution with two degrees of freedom.
     """
     return (1 + variance / 2) / (2 * np.pi * variance) / (1 + squared / (2 * variance)) ** 2
+
+
+@dataclass(frozen=True, eq=False)
+class Brushed:
+    """How N places of anisotropic metal spread what they mirror: GGX with two roughnesses.
+
+    Unit `viewer`, `normal` and `tangent` (3, N), this one across the normal, or 0 where it is not known;
+    `along` and `across` (N,): the lobe's width² along the tangent and across it.
+    """
+
+    viewer: Floats
+    normal: Floats
+    tangent: Floats
+    along: Floats
+    across: Floats
+
+    @classmethod
+    def of(cls, axis: Floats, normal: Floats, tangent: Floats, along: Floats, across: Floats) -> Brushed:
+        """Of mirror directions, normals and tangents (N, 3), the last ones of any length and direction."""
+        axis, normal, tangent = axis.T, normal.T, tangent.T
+        viewer = 2 * (axis * normal).sum(axis=0) * normal - axis
+        tangent = tangent - (tangent * normal).sum(axis=0) * normal
+        return cls(viewer, normal, tangent / np.maximum(_length(tangent), _LEAST_TANGENT), along, across)
+
+    def towards(self, way: Floats, size: Floats) -> Floats:
+        """The lobe in unit directions (3, N), per steradian, blurred by a width² `size` (N,): (N,).
+
+        The density of what is mirrored by the facets that the viewer sees: D G1 / (4 N.V) (Heitz, "Sampling
+        the GGX Distribution of Visible Normals", 2018, equation 2, and Walter et al., 2007, equation 14).
+        """
+        half = self.viewer + way
+        half = half / np.maximum(_length(half), _LEAST_TANGENT)
+        upright = np.maximum((half * self.normal).sum(axis=0), 1e-3)
+        aside = (half * self.tangent).sum(axis=0) / upright
+        flat = np.maximum(1 / (upright * upright) - 1 - aside * aside, 0)
+        along, across = (self.along + size) / 2, (self.across + size) / 2
+        tail = 1 + aside * aside / along + flat / across
+        facets = 1 / (np.pi * np.sqrt(along * across) * (tail * upright * upright) ** 2)
+        cosine = np.maximum((self.viewer * self.normal).sum(axis=0), 1e-3)
+        slant = (self.viewer * self.tangent).sum(axis=0) ** 2
+        rough = self.across * np.maximum(1 - cosine * cosine - slant, 0) + self.along * slant
+        seen = 2 / (cosine + np.sqrt(cosine * cosine + rough / 2))  # G1 / N.V
+        above = (way * self.normal).sum(axis=0) > 0
+        return cast(Floats, (above * facets * seen / 4).astype(np.float32))
+
+
+def _length(vectors: Floats) -> Floats:
+    return cast(Floats, np.sqrt((vectors * vectors).sum(axis=0)))
 
 
 def lifted(axis: Floats, face: Floats) -> Floats:

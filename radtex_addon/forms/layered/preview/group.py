@@ -15,10 +15,22 @@ import bpy
 from ....core.errors import InputError
 from ....preview.taps import in_working_space, octahedron_group, readable_size
 from ....scene.nodes import NodeBuilder, Operand, Socket, close_group, open_group
-from ..files.arrangement import ALPHA, COLOUR, IRRADIANCE, NORMAL, OF_IMAGES, OWN, REST, TINT, WIDTH
+from ..files.arrangement import (
+    ALPHA,
+    COLOUR,
+    IRRADIANCE,
+    NORMAL,
+    OF_IMAGES,
+    OWN,
+    REST,
+    TANGENT,
+    TINT,
+    WIDTH,
+)
 from ..files.sidecar import LayeredSidecar
 from ..lookup.lobes import LOWEST
 from .images import (
+    brush_at,
     buckets_group,
     constant,
     curve_group,
@@ -28,7 +40,7 @@ from .images import (
     reflected_at,
     reflected_group,
 )
-from .surroundings import around_group, most_of, shaded_lamps
+from .surroundings import around_group, brushes, more_inputs, most_of, shaded_lamps
 from .through import through_group
 
 CURVES = "curves"  # the image of `curves_of`
@@ -53,8 +65,7 @@ def build_layered_group(
     _check_sizes(images, facts)
     octahedron = octahedron_group()
     around = around_group(images, facts, octahedron)
-    shaded = shaded_lamps(facts)
-    mirrored = _mirrored_group(images, facts, octahedron, around, list(shaded))
+    mirrored = _mirrored_group(images, facts, octahedron, around, more_inputs(facts))
     through = None
     if facts.through is not None and SHOWS_THROUGH:
         through = through_group(images, facts, octahedron, around)
@@ -83,7 +94,6 @@ def build_layered_group(
     colour = look.colour((falloff, first, second))
     (irradiance,) = build.group(map_group("Irradiance", images[IRRADIANCE]), _later(build, uv, (colour,)))
     light = build.vector("MULTIPLY", build.vector("MULTIPLY", colour, irradiance), falloff, label="diffuse")
-    seen = [most_of(build, lamp, offset, outward, irradiance, colour) for lamp in shaded.values()]
     alpha = None
     if ALPHA in images:
         there = _later(build, uv, (light,))
@@ -95,6 +105,11 @@ def build_layered_group(
         wider = build.separate(build.group(map_group("Width", images[WIDTH]), there)[0])[0]
         factor = build.math("POWER", 2.0, wider)
         widths = (build.math("MULTIPLY", widths[0], factor), build.math("MULTIPLY", widths[1], factor))
+    seen = [
+        *(most_of(build, lamp, offset, outward, irradiance, colour) for lamp in shaded_lamps(facts).values()),
+        *(_how_brushed(build, images, _later(build, uv, (light,)), shading, axis) if brushes(facts) else ()),
+        *(brush_at(build, curves, material, factor) if brushes(facts) else ()),
+    ]
     reflected = reflected_at(build, curves, cosine, material, factor) if facts.glosses else None
     shown, rest = build.group(
         mirrored, _later(build, uv, (light, *widths, *seen)), offset, shading, axis, first, second, bend,
@@ -203,20 +218,31 @@ def _mirror_direction(
     return build.vector("NORMALIZE", build.vector("ADD", axis, up))
 
 
+def _how_brushed(
+    build: NodeBuilder, images: _Images, uv: Socket, shading: Socket, axis: Socket
+) -> tuple[Socket, Socket, Socket]:
+    """The vectors of `lookup.lobes.Brushed.of`: viewer, normal and tangent."""
+    (tangent,) = build.group(map_group("Tangent", images[TANGENT]), uv)
+    twice = build.math("MULTIPLY", build.vector("DOT_PRODUCT", shading, axis), 2.0)
+    viewer = build.vector("SUBTRACT", build.vector("SCALE", shading, twice), axis)
+    upright = build.vector("SCALE", shading, build.vector("DOT_PRODUCT", shading, tangent))
+    return viewer, shading, build.vector("NORMALIZE", build.vector("SUBTRACT", tangent, upright))
+
+
 def _mirrored_group(
     images: _Images,
     facts: LayeredSidecar,
     octahedron: bpy.types.ShaderNodeTree,
     around: bpy.types.ShaderNodeTree,
-    shaded: Sequence[str],
+    told: Mapping[str, str],
 ) -> bpy.types.ShaderNodeTree:
     """What lobes show of the surroundings and of the object itself; and the rest: Light and Rest.
 
-    The inputs named `shaded` are those of `around_group`.
+    What `more_inputs` has `told` are inputs, too.
     """
     own = buckets_group("Own", images[OWN], facts.own_cells, facts.coarse)
     rest = buckets_group("Rest", images[REST], facts.rest_cells, facts.rest)
-    lobe = _lobe_group(around, facts.own_cells, shaded)
+    lobe = _lobe_group(around, facts.own_cells, told)
     build, inputs = open_group(
         "RadTex Mirrored",
         UV="Vector",
@@ -228,7 +254,7 @@ def _mirrored_group(
         Bend="Float",
         Narrow="Float",
         Wide="Float",
-        **dict.fromkeys(shaded, "Float"),
+        **told,
     )
     uv, offset, normal, axis, first, second, bend, narrow, wide, *seen = inputs
     (place,) = build.group(octahedron, axis)
@@ -252,7 +278,7 @@ def _mirrored_group(
 
 
 def _lobe_group(
-    around: bpy.types.ShaderNodeTree, cells: int, shaded: Sequence[str]
+    around: bpy.types.ShaderNodeTree, cells: int, told: Mapping[str, str]
 ) -> bpy.types.ShaderNodeTree:
     """One lobe's Weight times what it sees: the surroundings where they are Free, else the object Itself.
 
@@ -266,7 +292,7 @@ def _lobe_group(
         Spread="Float",
         Itself="Vector",
         Free="Float",
-        **dict.fromkeys(shaded, "Float"),
+        **told,
     )
     width = build.math("SQRT", build.math("ADD", spread, _EDGE**2))
     sharper = build.math("MAXIMUM", build.math("DIVIDE", _KEPT / cells, width), 1.0)

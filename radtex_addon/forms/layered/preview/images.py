@@ -18,7 +18,9 @@ from ....scene.nodes import NodeBuilder, Operand, Socket, close_group, open_grou
 from ..files.sidecar import LayeredSidecar
 from ..lookup.lobes import SATURATION, SHADOWED, STEPS, Gloss
 
-ROWS = 6  # of each material: falloff, both lobes' weights, the bend with both widths' logarithms, and gloss
+ROWS = (
+    6  # of each material: falloff, both lobes' weights, bend with both widths' logarithms, gloss with brush
+)
 
 
 def constant(values: Floats) -> tuple[float, float, float]:
@@ -97,7 +99,8 @@ def curves_of(facts: LayeredSidecar) -> Floats:
     for falloff, material in zip(facts.falloff, facts.materials, strict=True):
         numbers = np.stack([material.bend, *np.log(material.variance)], axis=1)
         gloss = material.gloss or Gloss(np.zeros(3), 0.0)  # of a colour of 0: there is none
-        told = np.broadcast_to([gloss.colour, [gloss.width, 0, 0]], (STEPS, 2, 3)).swapaxes(0, 1)
+        brush = material.brush or (0.0, 0.0)
+        told = np.broadcast_to([gloss.colour, [gloss.width, *brush]], (STEPS, 2, 3)).swapaxes(0, 1)
         rows += [falloff, *material.weight, numbers, *told]
     return np.stack(rows).astype(np.float32)
 
@@ -126,6 +129,15 @@ def reflected_at(
     colour, width = (build.group(group, cosine, float(row), material)[0] for row in (ROWS - 2, ROWS - 1))
     usual = build.math("POWER", 2.0, build.separate(width)[0])
     return cosine, colour, build.math("MULTIPLY", usual, wider)
+
+
+def brush_at(
+    build: NodeBuilder, group: bpy.types.ShaderNodeTree, material: Socket, wider: Operand
+) -> tuple[Socket, Socket]:
+    """The material's width² along the tangent and across it, so much `wider`; 0 where it is not brushed."""
+    _, *brush = build.separate(build.group(group, 1.0, ROWS - 1.0, material)[0])
+    along, across = (build.math("MULTIPLY", one, wider) for one in brush)
+    return along, across
 
 
 def reflected_group() -> bpy.types.ShaderNodeTree:

@@ -83,6 +83,69 @@ def shape_group(lamp: Lamp, shape: LampShape) -> bpy.types.ShaderNodeTree:
     return close_group(build, Light=light)
 
 
+def brushed_lamp_group(lamp: Lamp) -> bpy.types.ShaderNodeTree:
+    """What brushed metal sees of a lamp, or what lobes have Shown of it where Along is 0: Light.
+
+    The other inputs are as in `lookup.lobes.Brushed`, whose `towards` this is.
+    """
+    build, (offset, viewer, upright, tangent, along, across, shown) = open_group(
+        "RadTex Brushed Lamp",
+        Offset="Vector",
+        Viewer="Vector",
+        Upright="Vector",
+        Tangent="Vector",
+        Along="Float",
+        Across="Float",
+        Shown="Vector",
+    )
+    towards = build.vector("SUBTRACT", constant(lamp.place), offset)
+    squared = build.vector("DOT_PRODUCT", towards, towards)
+    nearer = build.math("DIVIDE", float(lamp.place @ lamp.place), squared)
+    size = build.math("MULTIPLY", nearer, float(lamp.variance))
+    way = build.vector("NORMALIZE", towards)
+    seen = _towards(build, viewer, upright, tangent, way, along, across, size)
+    light = build.vector("SCALE", constant(lamp.irradiance), build.math("MULTIPLY", nearer, seen))
+    if lamp.shape is not None and lamp.shape.kind != ShapeKind.BALL:
+        light = build.vector("SCALE", light, _facing(build, lamp, lamp.shape, towards, squared))
+    brushed = build.math("GREATER_THAN", along, 0.0)
+    return close_group(build, Light=build.mix(brushed, shown, light))
+
+
+def _towards(
+    build: NodeBuilder,
+    viewer: Socket,
+    upright: Socket,
+    tangent: Socket,
+    way: Socket,
+    along: Socket,
+    across: Socket,
+    size: Socket,
+) -> Socket:
+    """`Brushed.towards`."""
+    half = build.vector("NORMALIZE", build.vector("ADD", viewer, way))
+    height = build.math("MAXIMUM", build.vector("DOT_PRODUCT", half, upright), 1e-3)
+    aside = build.math("DIVIDE", build.vector("DOT_PRODUCT", half, tangent), height)
+    aside, height = build.math("MULTIPLY", aside, aside), build.math("MULTIPLY", height, height)
+    flat = build.math("SUBTRACT", build.math("DIVIDE", 1.0, height), build.math("ADD", aside, 1.0))
+    flat = build.math("MAXIMUM", flat, 0.0)
+    long, short = (build.math("MULTIPLY", build.math("ADD", one, size), 0.5) for one in (along, across))
+    tail = build.math("ADD", build.math("DIVIDE", aside, long), build.math("DIVIDE", flat, short))
+    tail = build.math("MULTIPLY", build.math("ADD", tail, 1.0), height)
+    root = build.math("SQRT", build.math("MULTIPLY", long, short))
+    below = build.math("MULTIPLY", root, build.math("MULTIPLY", tail, tail))
+    cosine = build.math("MAXIMUM", build.vector("DOT_PRODUCT", viewer, upright), 1e-3)
+    slant = build.vector("DOT_PRODUCT", viewer, tangent)
+    slant, squared = build.math("MULTIPLY", slant, slant), build.math("MULTIPLY", cosine, cosine)
+    left = build.math("SUBTRACT", 1.0, build.math("ADD", squared, slant))
+    rough = build.math("MULTIPLY", across, build.math("MAXIMUM", left, 0.0))
+    rough = build.math("MULTIPLY_ADD", along, slant, rough)
+    root = build.math("SQRT", build.math("MULTIPLY_ADD", rough, 0.5, squared))
+    hidden = build.math("MULTIPLY", build.math("ADD", cosine, root), 2 * pi)  # 4 pi N.V / G1 / 2
+    shown = build.math("DIVIDE", build.math("DIVIDE", 1.0, below), hidden)
+    above = build.math("GREATER_THAN", build.vector("DOT_PRODUCT", way, upright), 0.0)
+    return build.math("MULTIPLY", shown, above)
+
+
 def _facing(build: NodeBuilder, lamp: Lamp, shape: LampShape, towards: Socket, squared: Socket) -> Socket:
     """`LampShape.facing`."""
     back = np.cross(shape.across, shape.up)

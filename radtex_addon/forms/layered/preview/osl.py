@@ -71,6 +71,7 @@ def constants_of(sidecar: LayeredSidecar) -> str:
         ("MATERIAL", "material"),
         ("LOBES", "lobes"),
         ("GLOSS", "gloss"),
+        ("BRUSH", "brush"),
         ("LAMPS", "lamp_place"),
         ("SHELL", "shell_planes"),
         ("BOXES", "box_low"),

@@ -30,12 +30,14 @@ from ..lookup.environment import (
     Shell,
 )
 from .images import constant, ordered
-from .lamps import lamp_facts, lamp_group, shape_group
+from .lamps import brushed_lamp_group, lamp_facts, lamp_group, shape_group
 
 _LEAST = 1e-12  # width²
 _LEAST_RATIO, _MOST_RATIO = 1 / 16, 4.0  # as in lookup.environment
 _PARALLEL, _STEEPEST = 1e-4, 0.999
 _STILL = 1e-6  # of lengths that are alike
+
+_BRUSH = {"Viewer": "Vector", "Upright": "Vector", "Tangent": "Vector", "Along": "Float", "Across": "Float"}
 
 _Images = Mapping[str, bpy.types.Image]
 
@@ -45,7 +47,7 @@ def around_group(
 ) -> bpy.types.ShaderNodeTree:
     """What a lobe sees from an Offset from the middle along a unit Axis with a Spread, its width².
 
-    For each of `shaded_lamps` it has one more input: how much of that lamp the surface sees at most.
+    It has the inputs that `more_inputs` names, too.
     """
     world = picture_group("World", images[WORLD], facts.pictures[WORLD], octahedron)
     near = []
@@ -58,13 +60,10 @@ def around_group(
         near.append(_over_group("Things", picture, _things_group(images[DISTANCES], octahedron, facts)))
     lamp = lamp_group() if facts.lamps else None
     shaded = shaded_lamps(facts)
-    build, (offset, axis, spread, *most) = open_group(
-        "RadTex Surroundings",
-        Offset="Vector",
-        Axis="Vector",
-        Spread="Float",
-        **dict.fromkeys(shaded, "Float"),
+    build, (offset, axis, spread, *more) = open_group(
+        "RadTex Surroundings", Offset="Vector", Axis="Vector", Spread="Float", **more_inputs(facts)
     )
+    most, brush = more[: len(shaded)], more[len(shaded) :]
     along, wide, opened = axis, spread, {}
     for one, seen in zip(shaded.values(), most, strict=True):  # first of all, while few values are kept
         opened[one] = _open(build, near, offset, wide, one, seen)
@@ -79,8 +78,24 @@ def around_group(
         if one.shape is not None:
             there, along, wide = _all_late(build, offset, axis, spread, shown)
             (shown,) = build.group(shape_group(one, one.shape), there, along, wide, shown)
+        if brush:
+            (shown,) = build.group(brushed_lamp_group(one), _late(build, offset, shown), *brush, shown)
         light = build.vector("ADD", light, build.vector("SCALE", shown, opened[one]) if one.behind else shown)
     return close_group(build, Light=light)
+
+
+def more_inputs(facts: LayeredSidecar) -> dict[str, str]:
+    """Types of more inputs of `around_group`, by name.
+
+    For each of `shaded_lamps` how much of that lamp the surface sees at most; and where materials are
+    brushed, how the place is, as `lookup.lobes.Brushed` has it.
+    """
+    return dict.fromkeys(shaded_lamps(facts), "Float") | (_BRUSH if brushes(facts) else {})
+
+
+def brushes(facts: LayeredSidecar) -> bool:
+    """Whether brushed metal is before lamps."""
+    return facts.brushes and bool(facts.lamps)
 
 
 def shaded_lamps(facts: LayeredSidecar) -> dict[str, Lamp]:

@@ -15,11 +15,13 @@ const LAYOUTS := ["buckets", "sphere", "layered"]
 const FORMATS := ["RGBA16F", "RGB9E5", "BC6H", "BC3", "BC3_SRGB", "BC4", "BC5", "BC7", "BC7_SRGB", "RGBA8", "RGBA32F", "R32UI",
 	"RG32UI"]
 const ARRANGEMENTS := ["matrix", "slices", "image", "words", "tree"]
-const LAYERS := ["colour", "irradiance", "tint", "normal", "width", "alpha", "own", "rest", "world", "plane", "things",
-	"distances", "exit_direction", "exit_place", "field", "through_colour", "through_rest"]
+const LAYERS := ["colour", "irradiance", "tint", "normal", "width", "alpha", "tangent", "own", "rest", "world", "plane",
+	"things", "distances", "exit_direction", "exit_place", "field",
+	"through_colour", "through_rest"]
 ## What may be defined in a shader of the layered layout, and from which whole number to which.
 const DEFINES := {
 	"RADTEX_TINT": [1, 1], "RADTEX_NORMAL": [1, 1], "RADTEX_WIDTH": [1, 1], "RADTEX_ALPHA": [1, 1],
+	"RADTEX_TANGENT": [1, 1], "RADTEX_BEHIND": [1, 1],
 	"RADTEX_PLANE": [1, 1], "RADTEX_THINGS": [1, 1], "RADTEX_MIRRORS": [1, 1], "RADTEX_GLOSSES": [1, 1], "RADTEX_SHAPES": [1, 1], "RADTEX_THROUGH": [1, 1], "RADTEX_FIELD": [1, 1],
 	"RADTEX_SRGB": [1, 1], "RADTEX_LAMPS": [0, 8], "RADTEX_SHELL": [2, 8], "RADTEX_BOXES": [1, 8], "RADTEX_STEPS": [0, 2], "RADTEX_SECOND_LOBE": [0, 1],
 	"RADTEX_OWN_TAPS": [0, 4], "RADTEX_REST_TAPS": [3, 4], "RADTEX_EXIT_TAPS": [4, 16],
@@ -33,7 +35,7 @@ const VECTORS := ["radtex_middle", "radtex_own_tile", "radtex_rest_tile", "radte
 const COUNTED := {"radtex_lamp_place": "RADTEX_LAMPS", "radtex_lamp_light": "RADTEX_LAMPS", "radtex_lamp_across": "RADTEX_LAMPS",
 	"radtex_lamp_up": "RADTEX_LAMPS", "radtex_shell": "RADTEX_SHELL", "radtex_box_low": "RADTEX_BOXES", "radtex_box_high": "RADTEX_BOXES"}
 const OF_IMAGES := "radtex_images"  ## Of materials that are shown by their own images.
-const OF_MATERIAL := {"radtex_material": 16, "radtex_lobes": 32, "radtex_gloss": 1, OF_IMAGES: 3}
+const OF_MATERIAL := {"radtex_material": 16, "radtex_lobes": 32, "radtex_gloss": 1, "radtex_brush": 1, OF_IMAGES: 3}
 const MOST_PIXELS := 16384
 const MOST_LAYERS := 2048
 const MOST_TEXELS := 1 << 24

@@ -65,6 +65,7 @@ class Texture:
 
 
 MATERIAL_MAPS = ("colour", "tint", "normal")
+_MAPS = ("irradiance", "tangent")
 
 
 def compressed(
@@ -81,7 +82,7 @@ def compressed(
     kept = _Kept({}, only)
     around = _around(kept, atlas.around, near_sizes)
     width = None if atlas.width is None else kept.of("width", texture_of, WIDTH, (atlas.width,))
-    found = {name: _map_kept(kept, name, getattr(atlas, name)) for name in ("irradiance", *MATERIAL_MAPS)}
+    found = {name: _map_kept(kept, name, getattr(atlas, name)) for name in (*_MAPS, *MATERIAL_MAPS)}
     alpha = None if atlas.alpha is None else kept.of("alpha", texture_of, ALPHA, (atlas.alpha,))
     own = kept.of("own", texture_of, OWN, (tiled(atlas.own),))
     rest = kept.of("rest", texture_of, REST, (tiled(atlas.rest),))
@@ -97,6 +98,7 @@ def compressed(
         own=atlas.own if own is None else untiled(own.values(0), atlas.own.shape[2], size),
         rest=atlas.rest if rest is None else untiled(rest.values(0), atlas.rest.shape[2], size)[..., :3],
         alpha=atlas.alpha if alpha is None else _cropped(alpha, 1),
+        tangent=atlas.tangent if found["tangent"] is None else found["tangent"],
     )
     return decoded, kept.textures
 

@@ -26,6 +26,7 @@ def texture_bytes(atlas: LayeredAtlas) -> int:
         if isinstance(layer.shape, Impostor):
             total += _HALF * layer.shape.nearness.size
     total += _BYTE * (atlas.own.size / 4 + atlas.rest.size / 3)
+    total += 0 if atlas.tangent is None else _BYTE * _pixels(atlas.tangent)
     total += _HALF * sum(_pixels(image) for image in (atlas.alpha, atlas.width) if image is not None)
     if atlas.through is not None:
         field = atlas.through.field
