@@ -53,7 +53,7 @@ cbuffer RadtexThrough RADTEX_BUFFER(2) {
 float4 radtex_field(float3 at) {
     float4 size = radtex_field_size, range = radtex_field_range;
     float low = clamp(floor(at.z), 0.0, size.z - 2.0);
-    float2 scale = range.xy / (size.xy * float2(size.w, ceil(size.z / size.w)));
+    float2 scale = range.xy / (size.xy * float2(size.w, ceil((size.z - 0.5) / size.w)));
     float row = floor((low + 0.5) / size.w), next = floor((low + 1.5) / size.w);
     float2 first = float2(low - row * size.w, row) * size.xy + at.xy + 0.5;
     float2 second = float2(low + 1.0 - next * size.w, next) * size.xy + at.xy + 0.5;

@@ -42,7 +42,7 @@ fn radtex_field(at: vec3f) -> vec4f {
     let size = radtex_exit.field_size;
     let range = radtex_exit.field_range;
     let low = clamp(floor(at.z), 0.0, size.z - 2.0);
-    let scale = range.xy / (size.xy * vec2f(size.w, ceil(size.z / size.w)));
+    let scale = range.xy / (size.xy * vec2f(size.w, ceil((size.z - 0.5) / size.w)));
     let row = floor((low + 0.5) / size.w);
     let next = floor((low + 1.5) / size.w);
     let first = vec2f(low - row * size.w, row) * size.xy + at.xy + 0.5;

@@ -131,7 +131,7 @@ struct RadtexThrough {
 vec4 radtex_field(vec3 at) {
     vec4 size = radtex_field_size, range = radtex_field_range;
     float low = clamp(floor(at.z), 0.0, size.z - 2.0);
-    vec2 scale = range.xy / (size.xy * vec2(size.w, ceil(size.z / size.w)));
+    vec2 scale = range.xy / (size.xy * vec2(size.w, ceil((size.z - 0.5) / size.w)));
     float row = floor((low + 0.5) / size.w), next = floor((low + 1.5) / size.w);
     vec2 first = vec2(low - row * size.w, row) * size.xy + at.xy + 0.5;
     vec2 second = vec2(low + 1.0 - next * size.w, next) * size.xy + at.xy + 0.5;

@@ -159,8 +159,8 @@ def field_of(*items: tuple[Any, bpy.types.Material]) -> DistanceField | None:
     return find_distance_field(context.scene, bodies, np.array([0, 0, 1.0]))
 
 
-def ball(radius: float, flipped: bool = False) -> Any:
-    bpy.ops.mesh.primitive_uv_sphere_add(segments=48, ring_count=24, radius=radius, location=(0.5, 0, 1))
+def ball(radius: float, flipped: bool = False, place: tuple[float, float, float] = (0.5, 0, 1)) -> Any:
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=48, ring_count=24, radius=radius, location=place)
     bpy.ops.object.shade_smooth()
     item = context.object
     if flipped:
@@ -194,7 +194,23 @@ def test_closed_glass_has_a_field_of_distances() -> None:
 
 
 @pytest.mark.one_blender
-def test_a_bubble_is_no_glass() -> None:
+@pytest.mark.parametrize(("radius", "place"), [(0.05, (50.0, -3.0, 20.0)), (400.0, (0.0, 0.0, 0.0))])
+def test_a_field_is_the_same_far_away_and_of_any_size(
+    radius: float, place: tuple[float, float, float]
+) -> None:
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    near, far = field_of((ball(1.0), clear())), field_of((ball(radius, place=place), clear()))
+    assert near is not None
+    assert far is not None
+    assert far.facts.size == near.facts.size
+    assert far.facts.step == pytest.approx(near.facts.step * radius, rel=1e-3)
+    wrong = np.abs(far.values - near.values)
+    assert wrong[..., 3].max() < 0.02  # steps; vertices far away are single floats
+    assert np.quantile(wrong[..., :3], 0.99) < 0.01
+
+
+@pytest.mark.one_blender
+def test_what_is_in_a_bubble_is_outside() -> None:
     """Its normals point into it."""
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     glass_, shell, bubble = clear(), ball(1.0), ball(0.4, flipped=True)

@@ -112,6 +112,18 @@ def test_rays_are_lost_after_too_many_reflections() -> None:
     assert not once.weight.any()
 
 
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+def test_what_is_no_number_lets_nothing_through(value: float) -> None:
+    """As in a damaged file."""
+    ball, (normal, viewer) = field_of_ball((16, 16, 16)), seen(4)
+    values = ball.values.copy()
+    values[6:10, 6:10, 6:10] = value
+    for way in follow(replace(ball, values=values), BALL * normal, normal, viewer):
+        some = way.weight > 0
+        assert np.isfinite(way.place[some]).all()
+        assert np.isfinite(way.direction[some]).all()
+
+
 def test_a_field_comes_back_from_its_image() -> None:
     field = field_of_ball((9, 11, 14))
     image = layers_beside(field)

@@ -24,7 +24,7 @@ from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas, sample_layered
 from radtex_addon.forms.layered.lookup.environment import Shell
 from radtex_addon.forms.layered.textures import own_texels
 from tests.layered.made_up import made_up_atlas, made_up_fragments
-from tests.layered_lookups import everything, in_a_room
+from tests.layered_lookups import everything, glass_ball, in_a_room
 
 _BAKE = Sidecar("Vase", "radiance", 16, 16, 14, "RadTex", 16, 0, "portal", "RadTex 0", "5.2")
 
@@ -167,6 +167,8 @@ def _setting(key: str, value: Any) -> Callable[[dict[str, Any]], None]:
         (lambda layered: layered["materials"][0]["bend"].pop(), '"bend" is .* expected 16 numbers'),
         (lambda layered: layered["materials"][1]["lobes"].pop(), "has 1 lobes, expected 2"),
         (lambda layered: layered["materials"][1]["falloff"].pop(), "has 15 colours, expected 16"),
+        (_setting("rest", [5, 7]), '"rest" is neither "coarse" nor'),
+        (_setting("middle", [0, 0, 1e39]), "beyond the range of single floats"),
     ],
 )
 def test_a_damaged_sidecar_is_refused(
@@ -176,6 +178,30 @@ def test_a_damaged_sidecar_is_refused(
     write_layered(path, atlas, _BAKE)
     facts = json.loads(path.read_text(encoding="utf-8"))
     change(facts["layered"])
+    with pytest.raises(FormatError, match=message):
+        LayeredSidecar.from_json(json.dumps(facts), str(path))
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "message"),
+    [
+        ("size", [24.5, 25, 26], '"size" is not of 2 to 512'),
+        ("size", [24, 25, 600], '"size" is not of 2 to 512'),
+        ("ior", 1.0, '"ior" is not above 1'),
+        ("ior", 1e39, '"ior" is not above 1'),
+        ("widths", [-1e-3, 0], '"widths" are below 0'),
+        ("step", 1e-320, '"step" is'),
+        ("reflections", -1, '"reflections" is -1'),
+        ("low", [0, 1e39, 0], "beyond the range of single floats"),
+    ],
+)
+def test_a_damaged_field_is_refused(
+    atlas: LayeredAtlas, tmp_path: Path, key: str, value: Any, message: str
+) -> None:
+    path = tmp_path / "Vase.radiance.json"
+    write_layered(path, glass_ball(atlas), _BAKE)
+    facts = json.loads(path.read_text(encoding="utf-8"))
+    facts["layered"]["through"]["field"][key] = value
     with pytest.raises(FormatError, match=message):
         LayeredSidecar.from_json(json.dumps(facts), str(path))
 

@@ -26,6 +26,7 @@ _MARGIN = 2  # samples outside the objects' box at each end
 _CLOSED = 0.999  # share of the samples on whose sign rays along all axes agree, at least
 _OUTWARDS = 0.98  # share of the samples beside the surface that its normals point away from, or to, at least
 _BESIDE = 1.0  # steps
+_ON = 1e-4  # steps: behind a surface that was met
 _APART = np.array([0.31, 0.53, 0.71]) * 1e-3  # steps: so that rays meet no edge of an even mesh
 _ALIKE = 1e-3  # of an index of refraction, and of a roughness
 
@@ -42,19 +43,22 @@ def find_distance_field(
         return None
     ior, roughness = glass
     corners, normals = (np.concatenate(parts) for parts in zip(*map(_surface, bodies), strict=True))
-    step, axes = _axes(corners.reshape(-1, 3))
+    centre, step, axes = _axes(corners.reshape(-1, 3))
+    corners = (
+        corners - centre
+    ) / step  # from here on in steps, about the middle: single floats tell little else
     tree = triangle_tree(
         corners.reshape(-1, 3).astype(np.float32), np.arange(3 * len(corners), dtype=np.int32).reshape(-1, 3)
     )
-    signs = [_inside(tree, axes, axis, step) for axis in range(3)]
+    signs = [_inside(tree, axes, axis, 4 * len(corners)) for axis in range(3)]
     inside = np.sum(signs, axis=0) >= 2
     if np.mean([(each == inside).mean() for each in signs]) < _CLOSED or not inside.any():
         return None
     place = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
     near, face, distance = _nearest(tree, place)
     normal = _shaded(corners[face], normals[face], near)
-    signed = np.where(inside.ravel(), -distance, distance) / step
-    beside = (distance < _BESIDE * step) & (distance > 1e-3 * step)
+    signed = np.where(inside.ravel(), -distance, distance)
+    beside = (distance < _BESIDE) & (distance > 1e-3)
     away = np.where(inside.ravel(), -1, 1)[beside] * ((place - near)[beside] * normal[beside]).sum(axis=1)
     if not beside.any() or (away > 0).mean() < _OUTWARDS:
         return None
@@ -63,7 +67,7 @@ def find_distance_field(
     bounces = int(cast(Any, scene).cycles.glossy_bounces)
     facts = FieldFacts(
         size=cast("tuple[int, int, int]", tuple(map(len, axes))),
-        low=(np.array([axis[0] for axis in axes]) - middle).astype(np.float32),
+        low=(centre - middle + step * np.array([axis[0] for axis in axes])).astype(np.float32),
         step=float(np.float32(step)),
         ior=float(np.float32(ior)),
         widths=(mirrored * (ior - 1) ** 2 / 4, mirrored * ior**2),
@@ -98,39 +102,41 @@ def _surface(body: Body) -> tuple[Floats, Floats]:
     return body.places[corner], turned.reshape(-1, 3, 3)
 
 
-def _axes(place: Floats) -> tuple[float, list[Floats]]:
-    """The distance between samples, and their coordinates along x, y and z."""
+def _axes(place: Floats) -> tuple[Floats, float, list[Floats]]:
+    """The middle (3,) of the samples, the step between them, and how many steps from there they lie.
+
+    The latter along x, y and z.
+    """
     low, high = place.min(axis=0), place.max(axis=0)
     step = float((high - low).max()) / (FIELD_SAMPLES - 1 - 2 * _MARGIN)
     counts = np.ceil((high - low) / step - 1e-6).astype(int) + 1 + 2 * _MARGIN
-    start = (low + high - (counts - 1) * step) / 2
-    return step, [start[axis] + step * np.arange(counts[axis]) for axis in range(3)]
+    return (low + high) / 2, step, [np.arange(count) - (count - 1) / 2 for count in counts]
 
 
-def _inside(tree: BVHTree, axes: Sequence[Floats], axis: int, step: float) -> Bools:
-    """Which samples (x, y, z) lie behind an odd number of surfaces, along one axis."""
+def _inside(tree: BVHTree, axes: Sequence[Floats], axis: int, most: int) -> Bools:
+    """Which samples (x, y, z) lie behind an odd number of surfaces, along one axis; `most`: met by a ray."""
     first, second = (other for other in range(3) if other != axis)
     along = axes[axis]
     found = np.zeros((len(axes[first]), len(axes[second]), len(along)), dtype=bool)
     way = np.zeros(3)
     way[axis] = 1.0
     start = np.zeros(3)
-    start[axis] = along[0] - step
-    for row, one in enumerate(axes[first] + _APART[0] * step):
-        for column, other in enumerate(axes[second] + _APART[1] * step):
+    start[axis] = along[0] - 1
+    for row, one in enumerate(axes[first] + _APART[0]):
+        for column, other in enumerate(axes[second] + _APART[1]):
             start[first], start[second] = one, other
-            met = _crossings(tree, start, way, axis, 1e-4 * step)
-            found[row, column] = np.searchsorted(met, along + _APART[2] * step) % 2 == 1
+            met = _crossings(tree, start, way, axis, most)
+            found[row, column] = np.searchsorted(met, along + _APART[2]) % 2 == 1
     return np.moveaxis(found, 2, axis)
 
 
-def _crossings(tree: BVHTree, start: Floats, way: Floats, axis: int, on: float) -> Floats:
-    """Where along an axis a ray meets surfaces, in order."""
-    place, met = Vector(start.tolist()), []
+def _crossings(tree: BVHTree, start: Floats, way: Floats, axis: int, most: int) -> Floats:
+    """Where along an axis a ray meets surfaces, in order, no more than `most`."""
+    place, met = Vector(start.tolist()), list[float]()
     towards = Vector(way.tolist())
-    while (hit := tree.ray_cast(place, towards)[0]) is not None:
+    while (hit := tree.ray_cast(place, towards)[0]) is not None and len(met) < most:
         met.append(hit[axis])
-        place[axis] = max(hit[axis], place[axis]) + on
+        place[axis] = max(hit[axis], place[axis]) + _ON
     return np.array(met)
 
 

@@ -61,6 +61,7 @@ _LARGEST, _MOST_LEVELS = 4096, 12  # of pictures
 _MOST_LAMPS = 1024
 _MOST_SAMPLES = 512  # of a distance field along a side
 _MOST_REFLECTIONS = 1024
+_DENSEST = 100.0  # index of refraction
 MOST_MATERIALS = 1024  # of one atlas: a bake of more is refused before its first ray
 _COLOURS_OF_LOOK = ("diffuse", "dielectric", "metal")
 _STRONGEST = 1000.0  # normal map, or factor of an image
@@ -175,7 +176,7 @@ class LayeredSidecar:
         )
         maps = [name for name in _MAPS if getattr(atlas, name) is not None]
         sidecar = replace(sidecar, bake=replace(sidecar.bake, layers=sidecar.layers_with(maps)))
-        if not all(np.isfinite(part).all() for part in sidecar.numbers()):
+        if not sidecar.is_finite():
             raise BakeError(
                 f'a material, a lamp or the surroundings of "{bake.object_name}" have a value that is no '
                 "finite number: nothing was written; bake it again"
@@ -347,6 +348,12 @@ class LayeredSidecar:
             sidecar = replace(sidecar, looks=looks)
         maps = [name for name in _MAPS if name in bake.layers]
         expected = sidecar.layers_with(maps)
+        if sidecar.rest not in (sidecar.coarse, (bake.width, bake.height)):
+            raise FormatError(
+                f'{facts.source} in "layered": "rest" is neither "coarse" nor the atlas\'s size'
+            )
+        if not sidecar.is_finite():
+            raise FormatError(f'{facts.source} in "layered" has numbers beyond the range of single floats')
         if WORLD not in found or not materials:
             raise FormatError(f'{facts.source} in "layered" lacks the world\'s picture, or materials')
         facts.constant("layers", list(expected))
@@ -362,6 +369,11 @@ class LayeredSidecar:
             if self.through.field is not None:
                 there.add(FIELD)
         return tuple(name for name in CHANNELS if name in there)
+
+    def is_finite(self) -> bool:
+        """Whether all numbers are finite as single floats, and all widths above 0."""
+        with np.errstate(all="ignore"):
+            return all(np.isfinite(np.asarray(part).astype(np.float32)).all() for part in self.numbers())
 
     def numbers(self) -> list[Floats]:
         """All numbers that must be finite."""
@@ -424,15 +436,20 @@ def _field_facts(field: FieldFacts) -> dict[str, Any]:
 
 
 def _field_in(facts: Facts) -> FieldFacts:
-    width, height, depth = (round(number) for number in facts.numbers("size", 3))
-    if not 2 <= min(width, height, depth) <= max(width, height, depth) <= _MOST_SAMPLES:
-        raise FormatError(f'{facts.source}: "size" is not of 2 to {_MOST_SAMPLES} samples')
+    sides = facts.numbers("size", 3)
+    if not all(side == round(side) and 2 <= side <= _MOST_SAMPLES for side in sides):
+        raise FormatError(f'{facts.source}: "size" is not of 2 to {_MOST_SAMPLES} samples along each side')
+    width, height, depth = map(round, sides)
     refracted, reflected = facts.numbers("widths", 2)
-    ior = facts.positive("ior")
-    if min(refracted, reflected) < 0 or ior <= 1:
-        raise FormatError(f'{facts.source}: "widths" below 0, or "ior" not above 1')
+    ior, step = facts.positive("ior"), facts.positive("step")
+    if min(refracted, reflected) < 0 or not 1 < ior <= _DENSEST:
+        raise FormatError(
+            f'{facts.source}: "widths" are below 0, or "ior" is not above 1 and up to {_DENSEST}'
+        )
+    if step < np.finfo(np.float32).tiny:
+        raise FormatError(f'{facts.source}: "step" is {step}, which no field has')
     reflections = facts.whole_number("reflections", 0, _MOST_REFLECTIONS)
-    size, low, step = (width, height, depth), _vector(facts, "low"), facts.positive("step")
+    size, low = (width, height, depth), _vector(facts, "low")
     return FieldFacts(size, low, step, ior, (refracted, reflected), reflections)
 
 

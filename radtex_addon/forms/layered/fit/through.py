@@ -41,6 +41,7 @@ _LEAST = 1e-6
 _EVERY = 5  # one in so many cells tells how dark glass is
 _DARKEST = 0.01  # share of the light that glass lets through
 _SEED = 5
+_ROWS = 1 << 12  # texels whose samples are in hand at once
 
 
 def lets_through(alone: EndSamples, light: LightSamples) -> bool:
@@ -194,16 +195,17 @@ def _errors(
     level = mean_brightness(light.through, used)
     most = np.float32(BRIGHTEST * level)
     seen = [_shown(each, light, around, grid) for each in choices]
-    judge = np.mean([shown for _, shown in seen], axis=0, dtype=np.float32)
+    fitted = large_arrays.from_blocks(len(half), lambda some: used[some] & half[some], _ROWS)
 
     def error(place: Places, shown: Floats) -> float:
-        rest = fit_rest(place, light.through, used & half, shown, grid, THROUGH_CELLS, level)
+        rest = fit_rest(place, light.through, fitted, shown, grid, THROUGH_CELLS, level)
 
         def squares(block: Block) -> float:
             some = block.texels
             told = np.minimum(shown[:, some] + grid.gather(rest, place[some], some), most)
             off = np.minimum(planes(light.through[some]), most) - told
-            weight = brightness_weight(judge[:, some], level) * (used[some] & ~half[some])
+            judge = np.mean([one[:, some] for _, one in seen], axis=0, dtype=np.float32)
+            weight = brightness_weight(judge, level) * (used[some] & ~half[some])
             return float((weight * np.tensordot(LUMINANCE, off * off, axes=1)).sum(dtype=np.float64))
 
         return sum(grid.in_blocks(squares, used.shape[1]))

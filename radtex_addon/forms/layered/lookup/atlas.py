@@ -36,8 +36,9 @@ class LayeredAtlas:
     space; `width` (H, W, 1): log2 of what lobes' width² is multiplied by; None where they do not vary.
     `tangent` (H, W, 3): along what brushed materials are, in world space; None without any. `own`
     (h, w, n, n, 4): what a texel sees of the object itself along an axis of the octahedron, and how much it
-    leaves free; `rest` (h, w, m, m, 3). `through`: the light that comes through, if there is any. `alpha`
-    (H', W', 1), None where it is 1 everywhere: `colour` and `tint` are multiplied by it, and nothing else is.
+    leaves free; `rest` (h, w, m, m, 3), or of every texel, (H, W, m, m, 3). `through`: the light that comes
+    through, if there is any. `alpha` (H', W', 1), None where it is 1 everywhere: `colour` and `tint` are
+    multiplied by it, and nothing else is.
     `looks`: for each material how its own images replace `colour`, `tint` and `normal`, None where it has
     none; empty where no material has.
     """

@@ -145,7 +145,9 @@ def follow(field: DistanceField, offset: Floats, normal: Floats, viewer: Floats)
     for _ in range(WAYS):
         parted = rays.some(np.arange(count))
         parted.weight[:] = 0
-        _march(field, rays, parted)
+        with np.errstate(invalid="ignore"):  # a damaged file may hold any values
+            _march(field, rays, parted)
+        rays.weight[~np.isfinite(rays.place).all(axis=1)] = 0
         place = facts.low + rays.place * np.float32(facts.step)
         found.append(Ways(rays.weight, place.astype(np.float32), rays.direction, rays.variance))
         rays = parted
@@ -159,7 +161,7 @@ def _march(field: DistanceField, rays: _Rays, parted: _Rays) -> None:
     rays.weight[rays.weight <= FAINT] = 0
     for _ in range(STEPS):
         here = rays.place[going]
-        left = ((here < 0) | (here > last)).any(axis=1)
+        left = ~((here >= 0) & (here <= last)).all(axis=1)  # or it is no number
         going, here = going[~left], here[~left]
         if not len(going):
             return
