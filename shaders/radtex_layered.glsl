@@ -38,9 +38,9 @@
 // Textures, one for each layer, are clamped to their edges and filtered linearly; irradiance and pictures have mip
 // levels, filtered linearly, too. v = 0 is the first row. A range is the share of a texture's width and height that is
 // no padding, and scale and offset: a value is texel * scale + offset, but for the alpha of own, plane and things.
-// Uniforms are the same for all materials, but for radtex_material, radtex_lobes and radtex_gloss: draw one material
-// at a time. Or define RADTEX_MATERIALS, give those the values of so many materials one behind the other, and call
-// radtex_layered_of.
+// Uniforms are the same for all materials, but for radtex_material, radtex_lobes, radtex_gloss and radtex_brush: draw
+// one material at a time. Or define RADTEX_MATERIALS, give those the values of so many materials one behind the other,
+// and call radtex_layered_of.
 //
 // RADTEX_DECLARED: you declare the uniforms before, in blocks if you like, as Vulkan must have it.
 // RADTEX_NO_DERIVATIVES: for stages other than the fragment's, and for rays that end in the atlas.
@@ -462,7 +462,8 @@ vec4 radtex_things(vec4 met, float spread) {
 #endif
 
 // Places of brushed metal: unit vectors to the viewer, of the normal, and of the tangent across that; and the lobe's
-// width² along the tangent and across it. Of what is not brushed `along` is 0.
+// width² along the tangent and across it, which are alike where the tangent is not known, and is 0. Of what is not
+// brushed `along` is 0.
 struct RadtexBrush {
     vec3 viewer;
     vec3 normal;
@@ -832,9 +833,15 @@ vec3 radtex_lit_of(int material, vec2 uv, vec3 position, vec3 face, vec3 V, Radt
         if (brushed.x > 0.0) {
             vec3 tangent = radtex_map(radtex_tangent_map, radtex_tangent_range, uv).xyz;
             tangent -= dot(N, tangent) * N;
-            brush.tangent = tangent * inversesqrt(max(dot(tangent, tangent), 1e-12));
             brush.along = brushed.x * exp2(wider) + spread;
             brush.across = brushed.y * exp2(wider) + spread;
+            float known = dot(tangent, tangent);
+            brush.tangent = tangent * inversesqrt(max(known, 1e-12));
+            if (known < 0.01) {
+                brush.tangent = vec3(0.0, 0.0, 0.0);
+                brush.along = sqrt(brush.along * brush.across);
+                brush.across = brush.along;
+            }
         }
 #endif
         vec3 mirrored = radtex_mirrored(from, ray, met, own, lobe, lit, brush);

@@ -43,8 +43,8 @@
 // levels, filtered linearly, too. v = 0 is the first row, or with RADTEX_TOP_DOWN the last one. A range is the share of
 // a texture's width and height that is no padding, and scale and offset: a value is texel * scale + offset, but for the
 // alpha of own, plane and things.
-// Uniforms are the same for all materials, but for radtex_material, radtex_lobes and radtex_gloss: draw one material
-// at a time.
+// Uniforms are the same for all materials, but for radtex_material, radtex_lobes, radtex_gloss and radtex_brush: draw
+// one material at a time.
 //
 // Where things are bound. RADTEX_SAMPLER: a linear, clamped SamplerState that is declared before; without, there is
 // radtex_filtering. RADTEX_TEXTURE(k), RADTEX_BUFFER(k): what follows the declaration of the k-th texture or buffer,
@@ -467,7 +467,8 @@ float4 radtex_things(float4 met, float spread) {
 #endif
 
 // Places of brushed metal: unit vectors to the viewer, of the normal, and of the tangent across that; and the lobe's
-// width² along the tangent and across it. Of what is not brushed `along` is 0.
+// width² along the tangent and across it, which are alike where the tangent is not known, and is 0. Of what is not
+// brushed `along` is 0.
 struct RadtexBrush {
     float3 viewer;
     float3 normal;
@@ -846,9 +847,15 @@ float3 radtex_lit(float2 uv, float3 position, float3 face, float3 V, RadtexLook 
         if (brushed.x > 0.0) {
             float3 tangent = radtex_map(radtex_tangent_map, radtex_tangent_range, uv).xyz;
             tangent -= dot(N, tangent) * N;
-            brush.tangent = tangent * rsqrt(max(dot(tangent, tangent), 1e-12));
             brush.along = brushed.x * exp2(wider) + spread;
             brush.across = brushed.y * exp2(wider) + spread;
+            float known = dot(tangent, tangent);
+            brush.tangent = tangent * rsqrt(max(known, 1e-12));
+            if (known < 0.01) {
+                brush.tangent = float3(0.0, 0.0, 0.0);
+                brush.along = sqrt(brush.along * brush.across);
+                brush.across = brush.along;
+            }
         }
 #endif
         float3 mirrored = radtex_mirrored(from, ray, met, own, lobe, lit, brush);

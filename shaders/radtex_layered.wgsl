@@ -403,7 +403,8 @@ fn radtex_things(met: vec4f, spread: f32) -> vec4f {
 }
 
 // Places of brushed metal: unit vectors to the viewer, of the normal, and of the tangent across that; and the lobe's
-// width² along the tangent and across it. Of what is not brushed `along` is 0.
+// width² along the tangent and across it, which are alike where the tangent is not known, and is 0. Of what is not
+// brushed `along` is 0.
 struct RadtexBrush {
     viewer: vec3f,
     normal: vec3f,
@@ -771,9 +772,15 @@ fn radtex_lit(uv: vec2f, position: vec3f, face: vec3f, V: vec3f, look: RadtexLoo
                 if brushed.x > 0.0 {
                     var tangent = radtex_map(radtex_tangent_map, radtex.tangent_range, uv).xyz;
                     tangent -= dot(N, tangent) * N;
-                    brush.tangent = tangent * inverseSqrt(max(dot(tangent, tangent), 1e-12));
                     brush.along = brushed.x * exp2(wider) + spread;
                     brush.across = brushed.y * exp2(wider) + spread;
+                    let known = dot(tangent, tangent);
+                    brush.tangent = tangent * inverseSqrt(max(known, 1e-12));
+                    if known < 0.01 {
+                        brush.tangent = vec3f(0.0, 0.0, 0.0);
+                        brush.along = sqrt(brush.along * brush.across);
+                        brush.across = brush.along;
+                    }
                 }
             }
             var mirrored = radtex_mirrored(whence, ray, met, own, lobe, lit, brush);

@@ -306,13 +306,19 @@ def in_a_room(atlas: LayeredAtlas) -> LayeredAtlas:
 
 
 def brushed(atlas: LayeredAtlas) -> LayeredAtlas:
-    """Of brushed metal, before lamps of which a plane and things hide every second one."""
+    """Of brushed metal, before lamps of which a plane and things hide every second one.
+
+    In some texels the tangents are not known.
+    """
     whole = everything(atlas)
+    assert whole.tangent is not None
+    known = np.arange(whole.tangent.shape[1]) % 8 < 6
     lamps = tuple(
         replace(lamp, behind=number % 2 == 0, irradiance=lamp.irradiance / 4)
         for number, lamp in enumerate(whole.around.lamps)
     )
-    return replace(whole, through=None, around=replace(whole.around, lamps=lamps))
+    around, tangent = replace(whole.around, lamps=lamps), whole.tangent * known[:, None]
+    return replace(whole, through=None, around=around, tangent=tangent.astype(np.float32))
 
 
 CASES: dict[str, Callable[[LayeredAtlas], LayeredAtlas]] = {

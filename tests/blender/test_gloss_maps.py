@@ -22,6 +22,7 @@ from radtex_addon.forms.layered.capture.gloss_maps import (
     is_brushed,
     may_vary,
     sharpest_width,
+    widest_blur,
     width_of,
 )
 from radtex_addon.forms.layered.capture.panoramas import share_for
@@ -190,13 +191,20 @@ def test_tangents_are_those_of_the_shaders_turned_as_they_say(tmp_path: Path) ->
         _brushed(usual, Coat_Weight=0.5),
         material("Plastic", usual, Roughness=0.35),
     ]
-    found = _captured(made, tmp_path, tangents=True)
+    partly = _brushed(usual)
+    tree: Any = partly.node_tree
+    texture = tree.nodes.new("ShaderNodeTexImage")
+    texture.image, texture.interpolation = _image(), "Closest"
+    tree.links.new(texture.outputs[0], _output(partly).links[0].from_node.inputs["Anisotropic"])
+    found = _captured([*made, partly], tmp_path, tangents=True)
     assert found is not None
+    smooth = [[0, 0, 0]] + [[1, 0, 0]] * (len(_STEPS) - 1)
+    np.testing.assert_allclose(np.abs(found[-1]), smooth, atol=2e-3, err_msg="its first step has no brush")
     for number in range(3):
         np.testing.assert_allclose(np.abs(found[number]), [[1, 0, 0]] * len(_STEPS), atol=2e-3)
     np.testing.assert_allclose(np.abs(found[3]), [[0, 1, 0]] * len(_STEPS), atol=2e-3)
     np.testing.assert_allclose(found[4], [[np.cos(np.pi / 6), 0.5, 0]] * len(_STEPS), atol=2e-3)
-    assert not found[5:].any()
+    assert not found[5:-1].any()
     assert [is_brushed(one) for one in made] == [True] * 5 + [False] * 2
     assert _captured(made[5:], tmp_path / "absent", tangents=True) is None
 
@@ -244,21 +252,38 @@ def test_a_small_brushed_can_looks_as_in_cycles(tmp_path: Path) -> None:
     assert psnr(atlas) > psnr(unbrushed) + 1
 
 
+def _plastic(roughness: float, coat: float = 0.0) -> bpy.types.Material:
+    return material("Plastic", "ShaderNodeBsdfPrincipled", Roughness=roughness, Coat_Weight=coat)
+
+
+def _thing(*materials: bpy.types.Material) -> Body:
+    """A triangle of each material, and a slot with polished plastic that no face has."""
+    mesh = bpy.data.meshes.new("Thing")
+    mesh.from_pydata([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [], [(0, 1, 2)] * len(materials))
+    for one in (*materials, _plastic(0.0)):
+        mesh.materials.append(one)
+    mesh.polygons.foreach_set("material_index", np.arange(len(materials), dtype=np.int32))
+    return Body(bpy.data.objects.new("Thing", mesh), mesh, np.eye(4))
+
+
+def test_lights_keep_their_shapes_where_something_is_sharp_enough_to_show_them() -> None:
+    steel = _brushed("ShaderNodeBsdfPrincipled")
+    usual = float(width_of(np.array(0.3)))
+    assert widest_blur([_thing(steel)], None) == pytest.approx(usual)
+    assert widest_blur([_thing(steel, _plastic(0.5))], None) == pytest.approx(usual)
+    assert widest_blur([_thing(steel, _plastic(0.3))], None) == pytest.approx(usual / 4)
+    assert widest_blur([_thing(steel, _plastic(0.03))], None) < 1e-5
+    assert widest_blur([_thing(steel), _thing(_plastic(0.5, coat=1.0))], None) < 1e-3
+
+
 def test_rough_things_need_no_sharp_pictures_of_a_room() -> None:
     def share(*materials: bpy.types.Material, evaluated: Floats | None = None) -> float:
-        mesh = bpy.data.meshes.new("Thing")
-        for one in materials:
-            mesh.materials.append(one)
-        body = Body(bpy.data.objects.new("Thing", mesh), mesh, np.eye(4))
-        return share_for(sharpest_width([body], evaluated))
+        return share_for(sharpest_width([_thing(*materials)], evaluated))
 
-    def plastic(roughness: float, coat: float = 0.0) -> bpy.types.Material:
-        return material("Plastic", "ShaderNodeBsdfPrincipled", Roughness=roughness, Coat_Weight=coat)
-
-    assert share(material("Matt", "ShaderNodeBsdfDiffuse")) == share(plastic(0.6)) == 0.25
-    assert share(plastic(0.25)) == share(plastic(0.6), plastic(0.25)) == 0.5
-    assert share(plastic(0.1)) == 1.0
-    assert share(plastic(0.6, coat=0.2)) == 1.0  # of the coat's own roughness
+    assert share(material("Matt", "ShaderNodeBsdfDiffuse")) == share(_plastic(0.6)) == 0.25
+    assert share(_plastic(0.25)) == share(_plastic(0.6), _plastic(0.25)) == 0.5
+    assert share(_plastic(0.1)) == 1.0
+    assert share(_plastic(0.6, coat=0.2)) == 1.0  # of the coat's own roughness
     assert share(material("Hair", "ShaderNodeBsdfHairPrincipled")) == 1.0
     textured = _plain("ShaderNodeBsdfPrincipled")
     assert share(textured) == 1.0

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 from radtex_addon.core.arrays import Floats
+from radtex_addon.core.colour_spaces import LUMINANCE
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.fragments import Fragments
 from radtex_addon.core.frame import normalised
@@ -24,6 +25,7 @@ from radtex_addon.forms.layered.lookup.ways import Through
 from radtex_addon.forms.layered.preview.group import SHOWS_THROUGH, build_layered_group
 from radtex_addon.forms.layered.preview.material import check_layered_previewable, load_images
 from radtex_addon.forms.layered.preview.osl import add_layered_osl_node
+from radtex_addon.forms.layered.preview.surroundings import MOST_SHADED
 from radtex_addon.scene.nodes import NodeBuilder, Socket
 from tests.blender.lookup_stage import ENGINES, Inputs, LookupStage, Shader, data_image
 from tests.layered.made_up import made_up_atlas, made_up_fragments
@@ -91,9 +93,12 @@ def unfurnished(room: LayeredAtlas) -> LayeredAtlas:
 
 
 def brushed_group(atlas: LayeredAtlas) -> LayeredAtlas:
-    """Brushed metal above a plane, with no more lamps than the stack of Blender 4.5 holds."""
+    """Brushed metal above a plane, before as many lamps of which that hides some as there may be."""
     whole = brushed(atlas)
-    return unfurnished(replace(whole, around=replace(whole.around, lamps=whole.around.lamps[:3])))
+    behind = [lamp for lamp in whole.around.lamps if lamp.behind]
+    behind.sort(key=lambda lamp: -float(LUMINANCE @ lamp.irradiance))
+    lamps = [replace(lamp, behind=lamp in behind[:MOST_SHADED]) for lamp in whole.around.lamps]
+    return unfurnished(replace(whole, around=replace(whole.around, lamps=tuple(lamps))))
 
 
 GROUPS: dict[str, Callable[[LayeredAtlas], LayeredAtlas]] = {

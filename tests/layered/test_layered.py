@@ -277,6 +277,25 @@ def test_brushed_metal_spreads_a_lamp_as_facets_do(tilt: float, turn: float) -> 
     np.testing.assert_allclose(shown[above].sum(), expected[above].sum(), atol=0.01)
 
 
+def test_where_the_tangent_is_not_known_metal_is_as_rough_but_round() -> None:
+    fine = cell_directions(192)
+    solid = 4 * np.abs(fine).sum(axis=1) ** 3 / len(fine)
+    normal = np.tile(np.array([0, 0, 1.0]), (len(fine), 1))
+    slant = np.radians(40)
+    axis = np.tile([np.sin(slant), 0, np.cos(slant)], (len(fine), 1))
+    wide = [np.full(len(fine), one) for one in (0.125, 0.02)]
+
+    def shown(tangent: float, along: Floats, across: Floats) -> Floats:
+        way = np.tile([tangent, 0, 0], (len(fine), 1))
+        return Brushed.of(axis, normal, way, along, across).towards(fine.T, np.zeros(len(fine)))
+
+    unknown, bare = shown(0.01, *wide), shown(0.0, *wide)
+    alike = np.sqrt(wide[0] * wide[1])
+    np.testing.assert_allclose(unknown, bare)
+    np.testing.assert_allclose(unknown, shown(1.0, alike, alike), rtol=1e-4)
+    assert (unknown * solid).sum() == pytest.approx(1, abs=0.03)
+
+
 def test_a_brush_is_found_in_what_facets_mirror() -> None:
     rng, count = np.random.default_rng(5), 4000
     kinds = []
@@ -307,7 +326,8 @@ def test_lights_of_the_world_are_lamps_that_layers_hide() -> None:
     for place, bright in zip(places, ([90, 60, 30], [20, 20, 40]), strict=True):
         radiance[direction @ place > np.cos(0.1)] += bright
     old = Around(np.zeros(3, np.float32), Pictures.of(direction, radiance, 128), (), ())
-    new = with_world_lights(old)
+    new = with_world_lights(old, 0.02)
+    assert with_world_lights(old, 0.001) is old, "sharper lobes see that lamps are round"
     assert [lamp.behind for lamp in new.lamps] == [True, True]
     for lamp, place in zip(new.lamps, places, strict=True):
         assert normalised(lamp.place) @ place > np.cos(0.01)
@@ -320,7 +340,7 @@ def test_lights_of_the_world_are_lamps_that_layers_hide() -> None:
     close = np.abs(new.look(far, axis, wide) - old.look(far, axis, wide)).mean()
     assert close < 0.1 * old.look(far, axis, wide).mean(), "where nothing hides them"
     even = Around(old.middle, Pictures.of(direction, np.ones_like(radiance), 64), (), ())
-    assert with_world_lights(even) is even
+    assert with_world_lights(even, 0.02) is even
 
 
 @pytest.mark.parametrize("kind", ShapeKind)

@@ -65,6 +65,14 @@ def test_what_is_not_looked_up_is_not_read() -> None:
     sidecar = case_of("made up").sidecar
     assert "distances" in layers_read(sidecar)
     assert "distances" not in layers_read(sidecar, LookupCost(steps=0))
+    sidecar = case_of("brushed").sidecar
+    assert "tangent" in layers_read(sidecar)
+    assert definitions(sidecar)["RADTEX_TANGENT"] == 1
+    round_one = tuple(replace(material, brush=None) for material in sidecar.materials)
+    for less in (replace(sidecar, materials=round_one), replace(sidecar, lamps=())):
+        assert "tangent" not in layers_read(less)
+        assert "RADTEX_TANGENT" not in definitions(less)
+        assert "radtex_brush" not in material_values(less, 0)
     sidecar = case_of("glass ball").sidecar  # through which rays are followed
     assert {"exit_direction", "exit_place", "field"} <= set(sidecar.bake.layers)
     assert not {"exit_direction", "exit_place"} & set(layers_read(sidecar))

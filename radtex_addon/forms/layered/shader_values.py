@@ -175,6 +175,8 @@ def layers_read(sidecar: LayeredSidecar, cost: LookupCost = DEFAULT) -> tuple[st
     without: tuple[str, ...] = () if _mirrors(sidecar) else _OF_MIRRORS
     if not sidecar.mirrors_itself:
         without += (OWN,)
+    if not _draws_streaks(sidecar):
+        without += (TANGENT,)
     if not _mirrors(sidecar) and sidecar.through is None:
         without += _SURROUNDINGS
     if not cost.steps:
@@ -333,7 +335,7 @@ def material_values(sidecar: LayeredSidecar, number: int, cost: LookupCost = DEF
     if sidecar.glosses:
         gloss = material.gloss
         values["radtex_gloss"] = [_row([0] * 4 if gloss is None else [*gloss.colour, gloss.width])]
-    if sidecar.brushes:
+    if _draws_streaks(sidecar):
         values["radtex_brush"] = [_row([*(material.brush or (0, 0)), 0, 0])]
     look = sidecar.every_look[number]
     if look is not None:
@@ -357,6 +359,11 @@ def _stored(entry: TextureEntry) -> Stored:
     """How a texture is stored: in a range, and maybe padded to whole blocks."""
     width, height = entry.size
     return Stored(entry.scale, entry.offset, (entry.texels[0] / width, entry.texels[1] / height))
+
+
+def _draws_streaks(sidecar: LayeredSidecar) -> bool:
+    """Whether there is brushed metal, and lamps that it draws out: nothing else is asked for tangents."""
+    return sidecar.brushes and bool(sidecar.lamps)
 
 
 def _mirrors(sidecar: LayeredSidecar) -> bool:

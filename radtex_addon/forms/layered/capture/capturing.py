@@ -43,7 +43,14 @@ from ..samples import ExitSamples, LayeredSamples, OwnRays
 from .clear_shape import find_distance_field
 from .enclosed import enclosed
 from .exits import capture_exits
-from .gloss_maps import capture_gloss, capture_tangents, may_be_brushed, sharpest_width, within_texels
+from .gloss_maps import (
+    capture_gloss,
+    capture_tangents,
+    may_be_brushed,
+    sharpest_width,
+    widest_blur,
+    within_texels,
+)
 from .lamps import find_lamps, refuse_negative_lamps
 from .light_map import capture_light_map
 from .material_maps import capture_maps, depends_on_angle
@@ -468,7 +475,8 @@ class _Captures:
             assert found is not None
             return {"tangent": plan.placed(found, gutter=True)}
 
-        return dict(self.store.get_or_make("maps-tangent", capture))
+        kept = self.store.get_or_make("maps-tangent", capture)
+        return {name: stowed(values) for name, values in kept.items()}
 
     def _own(self, ready: _Ready) -> OwnRays:
         """What the objects show of themselves."""
@@ -519,8 +527,9 @@ class _Captures:
                     copy, unseen, middle, radius, self.folder, self.spec.seed, share, room, known_as
                 )
             around = Around(middle, seen.world, seen.layers, lamps)
-            if may_be_brushed(self.bodies):
-                around = with_world_lights(around)
+            if may_be_brushed(self.bodies) and not through:
+                widest = widest_blur(self.bodies, ready.coarse_maps.get("width"))
+                around = with_world_lights(around, widest)
             return arrays_of(around) | {"paths": np.array([seen.paths], dtype=np.int64)}
 
         kept = self.store.get_or_make(_named(Part.AROUND, through), capture)

@@ -26,6 +26,7 @@ from ....cycles.capture_settings import first_hit_only
 from ....cycles.path_ends import Body, path_ends
 from ....cycles.portal import Aim, PortalCapture
 from ....cycles.sampling import straight_shifts, tiles_of
+from ....scene.mesh.joined import values_in
 from ....scene.nodes import NodeBuilder, Operand, Socket
 from ....scene.scratch import scene_copied
 from ....settings.spec import Kind
@@ -39,9 +40,11 @@ _UNKNOWN = frozenset(  # they mirror, or may do so, by no roughness of GGX's
     {"SCRIPT", "BSDF_TOON", "BSDF_HAIR", "BSDF_HAIR_PRINCIPLED", "EEVEE_SPECULAR", "BSDF_RAY_PORTAL"}
 )
 _BRUSHED = frozenset({"BSDF_PRINCIPLED", "BSDF_GLOSSY", "BSDF_METALLIC"})
+_ANISOTROPY = ("Anisotropic", "Anisotropy")
 _LEAST_BRUSHED = 0.02  # anisotropy
 _LEAST_LENGTH = 0.1  # of the mean of unit tangents, below which they tell of no direction
 _QUARTERS = tuple((x, y) for x in (-0.25, 0.25) for y in (-0.25, 0.25))  # four points tell a texel's mean
+_BLURRED = 4.0  # times a light's width²: that of lobes in which its shape hardly shows
 _SHARPEST = 0.01  # quantile of widths that vary
 _DIELECTRIC = 0.04  # of a Principled shader's light, what it mirrors where it is no metal
 
@@ -86,21 +89,43 @@ def sharpest_width(bodies: Sequence[Body], evaluated: Floats | None) -> float:
 
     `evaluated` is what `capture_gloss` found, which tells of roughness that varies.
     """
+    return min((_sharpest(material, evaluated) for material in _used(bodies)), default=float("inf"))
+
+
+def widest_blur(bodies: Sequence[Body], evaluated: Floats | None) -> float:
+    """The most width² that a round blur may have in place of a light of another shape.
+
+    So wide that no lobe by which bodies mirror shows that it is round; brushed metal, which draws it out, may
+    be as sharp as the blur. `evaluated` as for `sharpest_width`.
+    """
+    return min(
+        (_sharpest(one, evaluated) / (1 if is_brushed(one) else _BLURRED) for one in _used(bodies)),
+        default=float("inf"),
+    )
+
+
+def _sharpest(material: bpy.types.Material, evaluated: Floats | None) -> float:
+    """`sharpest_width` of one material."""
     found = float("inf")
-    for material in _used(bodies):
-        for node in _shaders(material.node_tree, set()):
-            if node.type in _UNKNOWN:
-                return 0.0
-            if node.type in _MIRRORS:
-                found = min(found, _width(node.inputs["Roughness"], evaluated))
-            coat = node.inputs.get("Coat Weight")
-            if coat is not None and (coat.is_linked or coat.default_value > 0):
-                found = min(found, _width(node.inputs["Coat Roughness"], None))
+    for node in _shaders(material.node_tree, set()):
+        if node.type in _UNKNOWN:
+            return 0.0
+        if node.type in _MIRRORS:
+            found = min(found, _width(node.inputs["Roughness"], evaluated))
+        coat = node.inputs.get("Coat Weight")
+        if coat is not None and (coat.is_linked or coat.default_value > 0):
+            found = min(found, _width(node.inputs["Coat Roughness"], None))
     return found
 
 
 def _used(bodies: Sequence[Body]) -> set[bpy.types.Material]:
-    return {material for body in bodies for material in body.mesh.materials if material is not None}
+    """The materials that faces of the bodies have, not those of slots without faces."""
+    found: set[bpy.types.Material] = set()
+    for body in bodies:
+        slots = list(body.mesh.materials)
+        shown = np.unique(values_in(body.mesh.polygons, "material_index", 1, np.int32)) if slots else ()
+        found.update(slots[min(index, len(slots) - 1)] for index in shown)
+    return found - {None}
 
 
 def _width(roughness: Any, evaluated: Floats | None) -> float:
@@ -158,7 +183,8 @@ def capture_tangents(
     found = 2 * _emitted(scene, bodies, [plan], _shows_tangent, seed, folder) - 1
     length = np.linalg.norm(found, axis=1, keepdims=True)
     known = (length > _LEAST_LENGTH) & (length < 2 - _LEAST_LENGTH)  # no ray that misses, which sees -1
-    tangent: Floats = np.where(known & (found > -1 + 1e-6).any(axis=1, keepdims=True), found / length, 0)
+    known &= (found > -1 + 1e-6).any(axis=1, keepdims=True)
+    tangent: Floats = np.where(known, found / np.maximum(length, _LEAST_LENGTH), 0)
     return tangent.astype(np.float32)
 
 
@@ -175,7 +201,7 @@ def _emitted(
         shown = {material: shows(material) for material in _used(bodies)}
         for body, copy in zip(bodies, ends.copies, strict=True):
             for index, material in enumerate(body.mesh.materials):
-                if material is not None:
+                if material in shown:
                     cast(Any, copy.data).materials[index] = shown[material]
         ends.scene.world = dark_world()
         first_hit_only(ends.scene)
@@ -224,7 +250,7 @@ def _nodes(tree: Any, seen: set[Any]) -> Iterator[Any]:
 
 def _is_anisotropic(node: Any) -> bool:
     """Whether a shader mirrors more widely along its tangent, or across it."""
-    return node.type in _BRUSHED and _is_above(_of(node, "Anisotropic", "Anisotropy"), _LEAST_BRUSHED)
+    return node.type in _BRUSHED and _is_above(_of(node, *_ANISOTROPY), _LEAST_BRUSHED)
 
 
 def _is_above(socket: Any, least: float) -> bool:
@@ -316,6 +342,10 @@ def _tangent_shown(build: NodeBuilder, node: Any) -> Operand | None:
             build.feed(turn.inputs[name], operand)
         tangent = turn.outputs[0]
     unit = build.vector("NORMALIZE", tangent)
+    brush = _of(node, *_ANISOTROPY)
+    if brush.is_linked:  # it may be none at places
+        size = build.math("ABSOLUTE", _value(brush))
+        unit = build.vector("SCALE", unit, build.math("GREATER_THAN", size, _LEAST_BRUSHED))
     return build.vector("MULTIPLY_ADD", unit, (0.5, 0.5, 0.5), (0.5, 0.5, 0.5))
 
 

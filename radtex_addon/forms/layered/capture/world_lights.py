@@ -24,11 +24,12 @@ _FAR = 1e4  # where the world is
 _ROUNDS = 3
 
 
-def with_world_lights(around: Around) -> Around:
+def with_world_lights(around: Around, widest: float) -> Around:
     """The same with the brightest small lights of the world as lamps that all layers are before.
 
     As many as shaders mirror with those that are there. By how much they are brighter than a bright place of
-    the world counts: that is taken out of its picture.
+    the world counts: that is taken out of its picture. Such lamps are round: a light whose width² is above
+    the `widest` (see `gloss_maps.widest_blur`) keeps its shape, in the picture.
     """
     size = len(around.world.levels[0])
     direction = cell_directions(size).astype(np.float64)
@@ -47,9 +48,10 @@ def with_world_lights(around: Around) -> Around:
         sent = more[cells] * solid[cells, None]
         near, middle = _around_brightest(direction[cells], more[cells].sum(axis=1), sent.sum(axis=1))
         left[cells[near]] = False
-        if sent[near].sum() >= _LEAST * total:
+        lamp = _lamp(direction[cells[near]], sent[near], middle)
+        if sent[near].sum() >= _LEAST * total and lamp.variance <= widest:
             radiance[cells[near]] -= more[cells[near]]
-            lights.append(_lamp(direction[cells[near]], sent[near], middle))
+            lights.append(lamp)
     if not lights:
         return around
     world = Pictures.of(direction, radiance.astype(np.float32), size)

@@ -186,8 +186,11 @@ def fit_brush(paths: Paths, tangent: Floats) -> tuple[float, float] | None:
     None where they hardly differ, or few paths tell. Of facets' slopes, seen at N.V above `_UPRIGHT`, GGX is
     Student's distribution with two degrees of freedom.
     """
-    told = np.flatnonzero((paths.cosine > _UPRIGHT) & (paths.brightness > 1e-6))
-    told = told[np.linalg.norm(tangent[paths.texel[told]], axis=1) > END]
+    known, light = np.linalg.norm(tangent, axis=1) > END, paths.brightness
+    told = large_arrays.flatnonzero(
+        len(light),
+        lambda some: (paths.cosine[some] > _UPRIGHT) & (light[some] > 1e-6) & known[paths.texel[some]],
+    )
     if len(told) < _AT_LEAST:
         return None
     if len(told) > _AT_MOST:

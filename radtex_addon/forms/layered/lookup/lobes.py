@@ -26,7 +26,8 @@ _EDGE = 0.04  # the sharpest edge that is shown, radians: cells do not tell wher
 SATURATION = 5.0  # of the width² of rough surfaces: see `capture.gloss_maps.width_of`
 _LEAST_WEIGHT = 1e-9
 SHADOWED = 50.0  # one over the least glossy colour of what is no shadow
-_LEAST_TANGENT = 1e-6  # length of a vector that has a direction
+_LEAST_LENGTH = 1e-6  # of a vector that has a direction
+LEAST_TANGENT = 0.1  # length of a tangent that is known: textures hold 0 a little off
 LOWEST = 0.01  # the sine above the surface of the lowest mirror direction, as in Cycles
 LOBES = 2
 STEPS = 16  # of N.V
@@ -151,8 +152,8 @@ def lobe(squared: Floats, variance: Floats) -> Floats:
 class Brushed:
     """How N places of anisotropic metal spread what they mirror: GGX with two roughnesses.
 
-    Unit `viewer`, `normal` and `tangent` (3, N), this one across the normal, or 0 where it is not known;
-    `along` and `across` (N,): the lobe's width² along the tangent and across it.
+    Unit `viewer`, `normal` and `tangent` (3, N), this one across the normal; `along` and `across` (N,): the
+    lobe's width² along the tangent and across it. Where the tangent is not known it is 0, and both are alike.
     """
 
     viewer: Floats
@@ -163,11 +164,19 @@ class Brushed:
 
     @classmethod
     def of(cls, axis: Floats, normal: Floats, tangent: Floats, along: Floats, across: Floats) -> Brushed:
-        """Of mirror directions, normals and tangents (N, 3), the last ones of any length and direction."""
+        """Of mirror directions, normals and tangents (N, 3), the last ones in any direction.
+
+        Those shorter than LEAST_TANGENT across the normal are not known: the metal is as rough as before, but
+        round.
+        """
         axis, normal, tangent = axis.T, normal.T, tangent.T
         viewer = 2 * (axis * normal).sum(axis=0) * normal - axis
         tangent = tangent - (tangent * normal).sum(axis=0) * normal
-        return cls(viewer, normal, tangent / np.maximum(_length(tangent), _LEAST_TANGENT), along, across)
+        length = _length(tangent)
+        known = length > LEAST_TANGENT
+        tangent = np.where(known, tangent / np.maximum(length, LEAST_TANGENT), 0)
+        alike = np.sqrt(along * across)
+        return cls(viewer, normal, tangent, np.where(known, along, alike), np.where(known, across, alike))
 
     def towards(self, way: Floats, size: Floats) -> Floats:
         """The lobe in unit directions (3, N), per steradian, blurred by a width² `size` (N,): (N,).
@@ -176,7 +185,7 @@ class Brushed:
         the GGX Distribution of Visible Normals", 2018, equation 2, and Walter et al., 2007, equation 14).
         """
         half = self.viewer + way
-        half = half / np.maximum(_length(half), _LEAST_TANGENT)
+        half = half / np.maximum(_length(half), _LEAST_LENGTH)
         upright = np.maximum((half * self.normal).sum(axis=0), 1e-3)
         aside = (half * self.tangent).sum(axis=0) / upright
         flat = np.maximum(1 / (upright * upright) - 1 - aside * aside, 0)

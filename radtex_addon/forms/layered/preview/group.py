@@ -28,7 +28,7 @@ from ..files.arrangement import (
     WIDTH,
 )
 from ..files.sidecar import LayeredSidecar
-from ..lookup.lobes import LOWEST
+from ..lookup.lobes import LEAST_TANGENT, LOWEST
 from .images import (
     brush_at,
     buckets_group,
@@ -107,8 +107,18 @@ def build_layered_group(
         widths = (build.math("MULTIPLY", widths[0], factor), build.math("MULTIPLY", widths[1], factor))
     seen = [
         *(most_of(build, lamp, offset, outward, irradiance, colour) for lamp in shaded_lamps(facts).values()),
-        *(_how_brushed(build, images, _later(build, uv, (light,)), shading, axis) if brushes(facts) else ()),
-        *(brush_at(build, curves, material, factor) if brushes(facts) else ()),
+        *(
+            _how_brushed(
+                build,
+                images,
+                _later(build, uv, (light,)),
+                shading,
+                axis,
+                brush_at(build, curves, material, factor),
+            )
+            if brushes(facts)
+            else ()
+        ),
     ]
     reflected = reflected_at(build, curves, cosine, material, factor) if facts.glosses else None
     shown, rest = build.group(
@@ -219,14 +229,24 @@ def _mirror_direction(
 
 
 def _how_brushed(
-    build: NodeBuilder, images: _Images, uv: Socket, shading: Socket, axis: Socket
-) -> tuple[Socket, Socket, Socket]:
-    """The vectors of `lookup.lobes.Brushed.of`: viewer, normal and tangent."""
+    build: NodeBuilder,
+    images: _Images,
+    uv: Socket,
+    shading: Socket,
+    axis: Socket,
+    brush: tuple[Socket, Socket],
+) -> tuple[Socket, ...]:
+    """`lookup.lobes.Brushed.of` a `brush`: viewer, normal and tangent; and the width² along and across."""
     (tangent,) = build.group(map_group("Tangent", images[TANGENT]), uv)
     twice = build.math("MULTIPLY", build.vector("DOT_PRODUCT", shading, axis), 2.0)
     viewer = build.vector("SUBTRACT", build.vector("SCALE", shading, twice), axis)
     upright = build.vector("SCALE", shading, build.vector("DOT_PRODUCT", shading, tangent))
-    return viewer, shading, build.vector("NORMALIZE", build.vector("SUBTRACT", tangent, upright))
+    tangent = build.vector("SUBTRACT", tangent, upright)
+    known = build.math("GREATER_THAN", build.vector("LENGTH", tangent), LEAST_TANGENT)
+    tangent = build.vector("SCALE", build.vector("NORMALIZE", tangent), known)
+    alike = build.math("SQRT", build.math("MULTIPLY", *brush))
+    wide = (build.mix(known, alike, one, "FLOAT") for one in brush)
+    return viewer, shading, tangent, *wide
 
 
 def _mirrored_group(

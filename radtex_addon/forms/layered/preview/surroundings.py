@@ -20,6 +20,7 @@ from ..lookup.environment import (
     FARTHEST,
     KNOWN,
     LEAST_FACING,
+    MOST_LAMPS,
     NEAR_LOBE,
     SHADED,
     SMALLEST,
@@ -37,6 +38,7 @@ _LEAST_RATIO, _MOST_RATIO = 1 / 16, 4.0  # as in lookup.environment
 _PARALLEL, _STEEPEST = 1e-4, 0.999
 _STILL = 1e-6  # of lengths that are alike
 
+MOST_SHADED = MOST_LAMPS if bpy.app.version >= (5, 0) else 2  # lamps; the stack of 4.5's Cycles holds no more
 _BRUSH = {"Viewer": "Vector", "Upright": "Vector", "Tangent": "Vector", "Along": "Float", "Across": "Float"}
 
 _Images = Mapping[str, bpy.types.Image]
@@ -80,7 +82,9 @@ def around_group(
             (shown,) = build.group(shape_group(one, one.shape), there, along, wide, shown)
         if brush:
             (shown,) = build.group(brushed_lamp_group(one), _late(build, offset, shown), *brush, shown)
-        light = build.vector("ADD", light, build.vector("SCALE", shown, opened[one]) if one.behind else shown)
+        light = build.vector(
+            "ADD", light, build.vector("SCALE", shown, opened[one]) if one in opened else shown
+        )
     return close_group(build, Light=light)
 
 
@@ -99,8 +103,10 @@ def brushes(facts: LayeredSidecar) -> bool:
 
 
 def shaded_lamps(facts: LayeredSidecar) -> dict[str, Lamp]:
-    """The lamps that layers are before, by the names of groups' inputs."""
-    return {f"Lamp {number}": lamp for number, lamp in enumerate(facts.lamps) if lamp.behind}
+    """The lamps that layers are shown to hide, by the names of groups' inputs: the MOST_SHADED brightest."""
+    behind = [number for number, lamp in enumerate(facts.lamps) if lamp.behind]
+    behind.sort(key=lambda number: -float(LUMINANCE @ facts.lamps[number].irradiance))
+    return {f"Lamp {number}": facts.lamps[number] for number in sorted(behind[:MOST_SHADED])}
 
 
 def most_of(
