@@ -93,11 +93,11 @@ def unfurnished(room: LayeredAtlas) -> LayeredAtlas:
 
 
 def brushed_group(atlas: LayeredAtlas) -> LayeredAtlas:
-    """Brushed metal above a plane, before as many lamps of which that hides some as there may be."""
+    """Brushed metal above a plane, before five lamps: those that Blender 5.2's stack holds with all maps."""
     whole = brushed(atlas)
     behind = [lamp for lamp in whole.around.lamps if lamp.behind]
     behind.sort(key=lambda lamp: -float(LUMINANCE @ lamp.irradiance))
-    lamps = [replace(lamp, behind=lamp in behind[:MOST_SHADED]) for lamp in whole.around.lamps]
+    lamps = [replace(lamp, behind=lamp in behind[:MOST_SHADED]) for lamp in whole.around.lamps[:5]]
     return unfurnished(replace(whole, around=replace(whole.around, lamps=tuple(lamps))))
 
 
