@@ -15,19 +15,20 @@ import numpy as np
 
 from ....core.arrays import Bools, Floats
 from ....core.octahedron import cell_directions
-from ..lookup.environment import MOST_LAMPS, Around, Lamp, Pictures
+from ..lookup.environment import Around, Lamp, Pictures
 
 _BRIGHT = 8.0  # times the world's mean radiance: what is brighter belongs to a light
 _REACH = 0.2  # radians around a light's middle that are of the same light
 _LEAST = 0.01  # of the world's light: what sends less stays in the picture
 _FAR = 1e4  # where the world is
 _ROUNDS = 3
+_MOST = 5  # lamps, those that are there included: preview materials of more overflow the stack of Cycles
 
 
 def with_world_lights(around: Around, widest: float) -> Around:
     """The same with the brightest small lights of the world as lamps that all layers are before.
 
-    As many as shaders mirror with those that are there. By how much they are brighter than a bright place of
+    No more than five with those that are there. By how much they are brighter than a bright place of
     the world counts: that is taken out of its picture. Such lamps are round: a light whose width² is above
     the `widest` (see `gloss_maps.widest_blur`) keeps its shape, in the picture.
     """
@@ -43,7 +44,7 @@ def with_world_lights(around: Around, widest: float) -> Around:
     total = float((radiance.sum(axis=1) * solid).sum())
     lights: list[Lamp] = []
     left = brightest > usual
-    while left.any() and len(lights) + len(around.lamps) < MOST_LAMPS:
+    while left.any() and len(lights) + len(around.lamps) < _MOST:
         cells = np.flatnonzero(left)
         sent = more[cells] * solid[cells, None]
         near, middle = _around_brightest(direction[cells], more[cells].sum(axis=1), sent.sum(axis=1))
