@@ -162,7 +162,7 @@ def fit_through(
 
 
 def _as_frosted(field: DistanceField) -> list[DistanceField]:
-    """The field, and of frosted glass the same with wider rays: at a slant, and by a lens, they widen more."""
+    """The field, and of frosted glass the same with wider rays: a slant and a lens spread them more."""
     times = _WIDER if field.facts.widths[0] > _FROSTED else (1,)
     refracted, reflected = field.facts.widths
     return [
