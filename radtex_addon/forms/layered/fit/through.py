@@ -9,7 +9,6 @@ splits light at each surface, the share that refracts every time. Its ray is kep
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import cast
 
 import numpy as np
@@ -40,8 +39,6 @@ _ROUNDS = 2
 _BINOMIAL = np.array([0.25, 0.5, 0.25], dtype=np.float32)  # what neighbouring cells count for
 _LEAST = 1e-6
 _EVERY = 5  # one in so many cells tells how dark glass is
-_FROSTED = 5e-7  # radians², by which each refraction widens a ray of frosted glass, at least
-_WIDER = (1, 4, 16)  # times that, between which samples choose
 _DARKEST = 0.01  # share of the light that glass lets through
 _SEED = 5
 _ROWS = 1 << 12  # texels whose samples are in hand at once
@@ -156,19 +153,8 @@ def fit_through(
     dimmed = _dimmed(exits, exits.field, around)
     colour = plan.placed(exits.colour * dimmed[:, None], gutter=True)
     by_field = Through(grid_of_ways.placed(ways / dimmed[:, None]), colour, none, exits.field)
-    choices = [by_cells, *(replace(by_field, field=field) for field in _as_frosted(exits.field))]
-    errors = _errors(choices, light, around, used, grid.part)
-    return choices[int(np.argmin(errors))]
-
-
-def _as_frosted(field: DistanceField) -> list[DistanceField]:
-    """The field, and of frosted glass the same with wider rays: a slant and a lens spread them more."""
-    times = _WIDER if field.facts.widths[0] > _FROSTED else (1,)
-    refracted, reflected = field.facts.widths
-    return [
-        replace(field, facts=replace(field.facts, widths=(each * refracted, each * reflected)))
-        for each in times
-    ]
+    errors = _errors([by_cells, by_field], light, around, used, grid.part)
+    return by_field if errors[1] < errors[0] else by_cells
 
 
 def _dimmed(exits: ExitSamples, field: DistanceField, around: Around) -> Floats:
