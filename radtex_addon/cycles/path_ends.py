@@ -47,6 +47,13 @@ class Body:
         return Shape(values_in(self.mesh.vertices, "co", 3), corner.reshape(-1, 3))
 
     @property
+    def shown_materials(self) -> set[bpy.types.Material | None]:
+        """The materials that its faces have, not those of slots without faces; None of faces without one."""
+        slots = list(self.mesh.materials) or [None]
+        shown = np.unique(values_in(self.mesh.polygons, "material_index", 1, np.int32))
+        return {slots[min(int(index), len(slots) - 1)] for index in shown}
+
+    @property
     def hiding(self) -> Shape | None:
         """The mesh's faces that hide what is behind them, and are not clear; None if there are none."""
         shape, materials = self.shape, list(self.mesh.materials)

@@ -44,9 +44,7 @@ def find_distance_field(
     ior, roughness = glass
     corners, normals = (np.concatenate(parts) for parts in zip(*map(_surface, bodies), strict=True))
     centre, step, axes = _axes(corners.reshape(-1, 3))
-    corners = (
-        corners - centre
-    ) / step  # from here on in steps, about the middle: single floats tell little else
+    corners = (corners - centre) / step  # in steps, about the middle: single floats tell little else
     tree = triangle_tree(
         corners.reshape(-1, 3).astype(np.float32), np.arange(3 * len(corners), dtype=np.int32).reshape(-1, 3)
     )
@@ -79,27 +77,22 @@ def find_distance_field(
 def _glass_of(bodies: Sequence[Body]) -> tuple[float, float] | None:
     """The index of refraction and the roughness of all that bodies show; None if that is not one glass."""
     found: list[tuple[float, float]] = []
-    for body in bodies:
-        shown = np.unique(values_in(body.mesh.polygons, "material_index", 1, np.int32))
-        slots = list(body.mesh.materials)
-        for number in shown:
-            material = slots[min(int(number), len(slots) - 1)] if slots else None
-            glass = None if material is None else glass_in(material, 1.0)
-            if glass is None:
-                return None
-            values = [value_at(glass.inputs[name], ()) for name in ("IOR", "Roughness")]
-            found.append((float(values[0]), float(values[1])))  # type: ignore[arg-type]  # `glass_in` knows them
-    if not found or np.ptp(np.array(found), axis=0).max() > _ALIKE or found[0][0] < 1 + _ALIKE:
+    for material in set[bpy.types.Material | None]().union(*(body.shown_materials for body in bodies)):
+        glass = None if material is None else glass_in(material, 1.0)
+        if glass is None:
+            return None
+        values = [value_at(glass.inputs[name], ()) for name in ("IOR", "Roughness")]
+        found.append((float(values[0]), float(values[1])))  # type: ignore[arg-type]  # `glass_in` knows them
+    if not found or np.ptp(np.array(found), axis=0).max() > _ALIKE or min(found)[0] < 1 + _ALIKE:
         return None
-    return found[0]
+    return min(found)
 
 
 def _surface(body: Body) -> tuple[Floats, Floats]:
     """A body's triangles, and their corners' shading normals, not of unit length: (F, 3, 3), world space."""
-    corner = values_in(body.mesh.loops, "vertex_index", 1, np.int32).reshape(-1, 3)
     normal = values_in(cast(Any, body.mesh).corner_normals, "vector", 3).astype(np.float64)
     turned = normal @ np.linalg.inv(body.matrix[:3, :3])
-    return body.places[corner], turned.reshape(-1, 3, 3)
+    return body.places[body.shape.triangles], turned.reshape(-1, 3, 3)
 
 
 def _axes(place: Floats) -> tuple[Floats, float, list[Floats]]:

@@ -26,7 +26,6 @@ from ....cycles.capture_settings import first_hit_only
 from ....cycles.path_ends import Body, path_ends
 from ....cycles.portal import Aim, PortalCapture
 from ....cycles.sampling import straight_shifts, tiles_of
-from ....scene.mesh.joined import values_in
 from ....scene.nodes import NodeBuilder, Operand, Socket
 from ....scene.scratch import scene_copied
 from ....settings.spec import Kind
@@ -120,12 +119,7 @@ def _sharpest(material: bpy.types.Material, evaluated: Floats | None) -> float:
 
 def _used(bodies: Sequence[Body]) -> set[bpy.types.Material]:
     """The materials that faces of the bodies have, not those of slots without faces."""
-    found: set[bpy.types.Material] = set()
-    for body in bodies:
-        slots = list(body.mesh.materials)
-        shown = np.unique(values_in(body.mesh.polygons, "material_index", 1, np.int32)) if slots else ()
-        found.update(slots[min(index, len(slots) - 1)] for index in shown)
-    return found - {None}
+    return {one for body in bodies for one in body.shown_materials if one is not None}
 
 
 def _width(roughness: Any, evaluated: Floats | None) -> float:
