@@ -38,15 +38,19 @@ def _fitted(
     parts: Parts = ALL_PARTS,
     each: Floats | None = None,
     texels: int = 1,
+    sharp: Bools | None = None,
 ) -> FittedBuckets:
     """Of a flat square that mirrors nothing of what is known, and shows waves over the mirror direction.
 
     `each` (SIDE²,): what its texels' light is multiplied by. `texels` x `texels` of them share a bucket.
+    Those that are `sharp` (SIDE²,) have a material of their own, and finer waves.
     """
     plan = flat_plan(SIDE, 16)
     square = Aim(spread_shifts(SIDE * SIDE, 3)).square(16)
     axis = mirrored(plan, square)
-    light = (1 + 0.6 * np.sin(waves * axis[..., :1]) * np.sin(waves * axis[..., 1:2])).repeat(3, axis=2)
+    sharp = np.zeros(SIDE * SIDE, dtype=bool) if sharp is None else sharp
+    turn = np.where(sharp, 9, waves)[:, None, None] * axis
+    light = (1 + 0.6 * np.sin(turn[..., :1]) * np.sin(turn[..., 1:2])).repeat(3, axis=2)
     noise = 1 + 0.2 * np.random.default_rng(7).normal(size=light.shape)
     by_texel = 1 if each is None else each[:, None, None]
     samples = light_samples(plan, square, mirrored=light * noise * by_texel)
@@ -61,7 +65,8 @@ def _fitted(
     grey = Pictures.of(direction, np.ones((*direction.shape[:2], 3)), 16)
     around = Around(np.zeros(3, np.float32), grey, (), ())
     black = np.zeros((len(plan.texel), 3), np.float32)
-    surface = replace(white_surface(plan, around, free, diffuse=black, materials=(nothing,)), grid=grid)
+    surface = white_surface(plan, around, free, diffuse=black, materials=(nothing, nothing))
+    surface = replace(surface, grid=grid, material=sharp.astype(surface.material.dtype))
     met = np.zeros(np.count_nonzero(hit), np.int32)
     own = OwnRays(rays, hit, met, np.zeros((len(met), 3), np.float32))
     return fit_buckets(surface, own, samples, samples.seen, parts)
@@ -102,6 +107,16 @@ def test_what_changes_within_few_texels_has_a_rest_at_each() -> None:
     assert not found.own.any(), "what it shows of itself is in the rest, too"
     assert np.corrcoef(found.rest.mean(axis=(0, 2)), waves)[0, 1] > 0.9
     assert _fitted(waves=9, hit=_each(20), texels=2).rest.shape == (3, (SIDE // 2) ** 2, 14**2)
+
+
+def test_a_mirror_among_what_changes_within_few_texels_keeps_its_cells() -> None:
+    place = np.arange(SIDE * SIDE)
+    waves = 1 + 0.8 * np.sin(2 * np.pi * (place % SIDE) / 5)
+    sharp = place >= SIDE * (SIDE - 2)
+    waves[sharp] = 1
+    by_four, every = (SIDE // 2) ** 2, SIDE**2
+    assert _fitted(waves=1, hit=_each(20), each=waves, texels=2).rest.shape[1] == every
+    assert _fitted(waves=1, hit=_each(20), each=waves, texels=2, sharp=sharp).rest.shape[1] == by_four
 
 
 CELLS, SAMPLES = 6, 32

@@ -4,9 +4,10 @@
 
 An object that shows itself in its mirrors needs many cells for that; one that hardly does has more of many
 cells for the rest; and one that lights itself by many bounces, as a bowl does inside, has more of a rest at
-every texel, and of no own light. All take as many bytes: samples that none was fitted to choose between them.
-One whose samples are told as well without has nothing of itself in its mirrors, and lookups need not read
-that. What is left free is kept as a picture, blurred as wide as its cells: see `lookup.lobes`.
+every texel, and of no own light, unless a mirror among its materials would miss that. All take as many
+bytes: samples that none was fitted to choose between them. One whose samples are told as well without has
+nothing of itself in its mirrors, and lookups need not read that. What is left free is kept as a picture,
+blurred as wide as its cells: see `lookup.lobes`.
 """
 
 from __future__ import annotations
@@ -39,6 +40,7 @@ _PRIOR = 0.0125  # of a cell's rays: the wider neighbourhood's count for that ma
 _LITTLE = 0.02  # share of mirror rays that meet the object, below which it may mirror nothing, by samples, …
 _NONE = 1e-3  # … below which it does not
 _TELLS = 1e-3  # of the samples' error: by how much own light must lessen it to be worth its fetches
+_WORSE = (1e-2, 1e-4)  # of a material's and of all error: how much worse `HOLLOW` may tell a material
 _SEED = 2
 _ROWS = 1 << 12  # texels whose samples are in hand at once
 
@@ -166,9 +168,12 @@ class _Fit:
         models = {cells: self.model(part, cells) for cells in dict.fromkeys(each.own for each in choices)}
         shown = dict(zip(models, self.shown(list(models.values())), strict=True))
         judge = shown[choices[0].own]
-        errors = [self.error(part, each, shown[each.own], half, judge) for each in choices]
-        handicap = [1.0 if choice in CLEAR else 1 + _TELLS for choice in choices]
-        return choices[int(np.argmin(np.multiply(errors, handicap)))]
+        errors = np.array([self.errors(part, each, shown[each.own], half, judge) for each in choices])
+        handicap = np.array([1.0 if choice in CLEAR else 1 + _TELLS for choice in choices])
+        first, second = map(int, np.argsort(errors.sum(axis=1) * handicap)[:2])
+        most = (1 + _WORSE[0]) * errors[second] + _WORSE[1] * errors[second].sum()
+        mirrors_itself = choices[first] == HOLLOW and (errors[first] > most).any()
+        return choices[second] if mirrors_itself else choices[first]
 
     def model(self, grid: BucketGrid, cells: int) -> _Model:
         surface = self.surface
@@ -226,26 +231,28 @@ class _Fit:
         """What a model lacks that has `shown` (3, K, S) of samples that are `used`: (3, B, cells * cells)."""
         return fit_rest(self.place, self.light.mirrored, used, shown, grid, cells, self.level, share)
 
-    def error(self, part: BucketGrid, cells: Cells, shown: Floats, half: Bools, judge: Floats) -> float:
-        """The sum of weighted squares of errors in samples of the texels of `part` that are not in `half`.
+    def errors(self, part: BucketGrid, cells: Cells, shown: Floats, half: Bools, judge: Floats) -> Floats:
+        """By material (M,), the sum of weighted squares of errors in `part`'s samples that are not in `half`.
 
         Of a rest that is fitted to that half, and added to what a model has `shown`. Weights are by what
         `judge` (3, K, S) shows; above some brightness, samples count as no brighter.
         """
         grid, light = self.rest_grid(part, cells), self.light.mirrored
+        material, count = self.surface.material, len(self.surface.materials)
         most = np.float32(BRIGHTEST * self.level)
         fitted = large_arrays.from_blocks(len(half), lambda some: self.used[some] & half[some], _ROWS)
         rest = self.rest(grid, shown, fitted, cells.rest)
 
-        def squares(block: Block) -> float:
+        def squares(block: Block) -> Floats:
             some = block.texels
             told = shown[:, some] + grid.gather(rest, self.place[some], some)
             off = np.minimum(planes(light[some]), most) - np.minimum(told, most)
             weight = brightness_weight(judge[:, some].astype(np.float32), self.level)
             judged = weight * (self.used[some] & ~half[some])
-            return float((judged * np.tensordot(LUMINANCE, off * off, axes=1)).sum(dtype=np.float64))
+            of_texels = (judged * np.tensordot(LUMINANCE, off * off, axes=1)).sum(axis=1, dtype=np.float64)
+            return np.bincount(material[some], of_texels, minlength=count)
 
-        return sum(grid.in_blocks(squares, self.used.shape[1]))
+        return np.sum(grid.in_blocks(squares, self.used.shape[1]), axis=0)
 
 
 def _for_each(values: Floats, times: int) -> Floats:
