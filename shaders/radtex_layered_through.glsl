@@ -44,13 +44,13 @@ vec4 radtex_field(vec3 at) {
     return mix(below, textureLod(radtex_field_map, second * scale, 0.0), at.z - low) * range.z + range.w;
 }
 
-// A ray through the object: where it is, in steps of the field; `side`: 1 inside, -1 outside; `width`²; how often it was
-// reflected.
+// A ray through the object: where it is, in steps of the field; `side`: 1 inside, -1 outside; how often it was reflected.
+// Of rough glass it is a `beam`: variances of its directions, and of its places across it, in z; in y, how both go together.
 struct RadtexWay {
     vec3 place;
     vec3 ray;
+    vec3 beam;
     float weight;
-    float width;
     float side;
     float reflections;
 };
@@ -67,24 +67,59 @@ float radtex_fresnel(float cosine, float beyond, float index) {
     return beyond > 0.0 ? 0.5 * (across * across + along * along) : 1.0;
 }
 
+// A beam so many steps further on.
+vec3 radtex_advanced(vec3 beam, float steps) {
+    return beam + steps * vec3(0.0, beam.x, 2.0 * beam.y + steps * beam.x);
+}
+
+// Half of a beam behind a surface, by one of two planes: what its directions and places are multiplied by, what turns of
+// the surface's normal count for, and by how much it turns from ray to ray.
+vec3 radtex_fanned(vec3 beam, float direction, float place, float turn, float bend) {
+    float bent = turn * bend;
+    float wider = direction * (direction * beam.x + 2.0 * bent * beam.y) + bent * bent * beam.z;
+    return 0.5 * vec3(wider + turn * turn * radtex_field_glass.y, place * (direction * beam.y + bent * beam.z),
+        place * place * beam.z);
+}
+
+// A beam that is reflected, or else refracted, by a surface whose normal bends so much a step.
+vec3 radtex_fan_out(vec3 beam, float cosine, float beyond, float index, float bend, bool back) {
+    float before = max(cosine, 0.2), after = max(beyond, 0.2), steeper = before / (index * after);
+    if (back) {
+        return radtex_fanned(beam, 1.0, 1.0, -2.0, bend / before) + radtex_fanned(beam, 1.0, 1.0, -2.0 * before, bend);
+    }
+    vec3 in_plane = radtex_fanned(beam, steeper, after / before, 1.0 - steeper, bend / before);
+    return in_plane + radtex_fanned(beam, 1.0 / index, 1.0, after - before / index, bend);
+}
+
+// By how much the unit normal `ahead` of where a ray is turns, a step further along the surface.
+float radtex_bend(RadtexWay way, vec3 ahead, float cosine) {
+    vec3 along = way.ray - cosine * ahead + 0.001 * cross(ahead, ahead.yzx);
+    along *= inversesqrt(max(dot(along, along), 1e-12));
+    vec3 beside = radtex_field(clamp(way.place + along, vec3(0.0, 0.0, 0.0), radtex_field_size.xyz - 1.0)).xyz;
+    beside *= way.side * inversesqrt(max(dot(beside, beside), 1e-12));
+    return clamp(dot(beside - ahead, along), -1.0, 1.0);
+}
+
 // What of a ray is reflected, or else refracted, by a surface with the unit normal `ahead` on its far side.
-RadtexWay radtex_turned(RadtexWay way, vec3 ahead, float cosine, float index, bool back) {
+RadtexWay radtex_turned(RadtexWay way, vec3 ahead, float cosine, float index, float bend, bool back) {
     vec4 glass = radtex_field_glass;
     float beyond = radtex_beyond(cosine, index), reflected = radtex_fresnel(cosine, beyond, index);
     vec3 bent = way.ray / index + (beyond - cosine / index) * ahead;
     RadtexWay turned = way;
     turned.ray = normalize(back ? way.ray - 2.0 * cosine * ahead : bent);
     turned.weight = way.weight * (back ? reflected : 1.0 - reflected);
-    turned.width = way.width + (back ? glass.z : glass.y);
     turned.side = back ? way.side : -way.side;
     turned.reflections = way.reflections + (back ? 1.0 : 0.0);
     turned.place = way.place + 1.5 * turned.ray;
-    if (turned.reflections > glass.w) turned.weight = 0.0;
+    if (glass.y > 0.0) {
+        turned.beam = radtex_advanced(radtex_fan_out(way.beam, cosine, beyond, index, bend, back), 1.5);
+    }
+    if (turned.reflections > glass.z) turned.weight = 0.0;
     return turned;
 }
 
 // What is seen of the surroundings through white glass. At each surface a ray goes on as most of its light does; of what
-// parts from it, the brightest is followed, too.
+// parts from it, the brightest is followed, too; and what goes neither way comes from all around.
 vec3 radtex_followed(vec3 from, vec3 N, vec3 V) {
     vec4 glass = radtex_field_glass, low = radtex_field_low;
     vec3 last = radtex_field_size.xyz - 1.0, light = vec3(0.0, 0.0, 0.0);
@@ -92,38 +127,52 @@ vec3 radtex_followed(vec3 from, vec3 N, vec3 V) {
     RadtexWay way;
     way.ray = normalize((cosine / glass.x - beyond) * N - V / glass.x);
     way.place = (from - low.xyz) * low.w + 1.5 * way.ray;
+    way.beam = vec3(0.0, 0.0, 0.0);
+    if (glass.y > 0.0) way.beam = radtex_advanced(radtex_fan_out(way.beam, cosine, beyond, glass.x, 0.0, false), 1.5);
     way.weight = 1.0 - radtex_fresnel(cosine, beyond, glass.x);
-    way.width = glass.y;
     way.side = 1.0;
     way.reflections = 0.0;
-    for (int k = 0; k < 2; k++) {
+    float lost = way.weight;
+    for (int k = 0; k < 3; k++) {
         RadtexWay parted = way;
         parted.weight = 0.0;
-        bool outside = false, going = way.weight > 0.004;
+        bool outside = k == 2, going = !outside && way.weight > 0.004;
         for (int taken = 0; taken < 64 && going; taken++) {
             vec4 found = radtex_field(way.place);
             vec3 ahead = found.xyz * (way.side * inversesqrt(max(dot(found.xyz, found.xyz), 1e-12)));
             float free = -found.w * way.side, towards = dot(way.ray, ahead);
             bool met = free < 0.1 && towards > 0.05;
-            way.place += (met ? free / max(towards, 0.2) : max(free, 0.5)) * way.ray;
+            float steps = met ? free / max(towards, 0.2) : max(free, 0.5);
+            way.place += steps * way.ray;
+            way.beam = radtex_advanced(way.beam, steps);
             if (met) {
                 float index = way.side > 0.0 ? 1.0 / glass.x : glass.x;
                 bool back = radtex_fresnel(towards, radtex_beyond(towards, index), index) >= 0.5;
-                RadtexWay other = radtex_turned(way, ahead, towards, index, !back);
+                float bend = 0.0;
+                if (glass.y > 0.0) bend = radtex_bend(way, ahead, towards);
+                RadtexWay other = radtex_turned(way, ahead, towards, index, bend, !back);
                 if (other.weight > parted.weight) parted = other;
-                way = radtex_turned(way, ahead, towards, index, back);
+                way = radtex_turned(way, ahead, towards, index, bend, back);
             }
             vec3 room = min(way.place, last - way.place);
             outside = min(room.x, min(room.y, room.z)) < 0.0;
             going = !outside && way.weight > 0.004;
         }
         if (way.weight > 0.004 && (outside || way.side < 0.0)) {
-            vec3 exit = low.xyz + way.place / low.w;
-            float spread = log2(max(way.width, 1e-12));
+            float narrowest = clamp(way.beam.y / max(way.beam.x, 1e-12), 0.0, 64.0);  // so many steps back
+            vec3 exit = low.xyz + (way.place - narrowest * way.ray) / low.w;
+            float spread = log2(max(1.4 * way.beam.x, 1e-12));
             light += way.weight
                 * radtex_shown(exit, way.ray, radtex_met(exit, way.ray), spread, vec4(0.0, 0.0, 0.0, 1e6));
+            lost -= way.weight;
         }
         way = parted;
+        if (k == 1) {
+            way.ray = -V;
+            way.place = (from - low.xyz) * low.w;
+            way.beam = vec3(0.5 / 1.4, 0.0, 0.0);
+            way.weight = lost;
+        }
     }
     return light;
 }

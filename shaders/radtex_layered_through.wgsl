@@ -52,13 +52,13 @@ fn radtex_field(at: vec3f) -> vec4f {
         * range.z + range.w;
 }
 
-// A ray through the object: where it is, in steps of the field; `side`: 1 inside, -1 outside; `width`²; how often it was
-// reflected.
+// A ray through the object: where it is, in steps of the field; `side`: 1 inside, -1 outside; how often it was reflected.
+// Of rough glass it is a `beam`: variances of its directions, and of its places across it, in z; in y, how both go together.
 struct RadtexWay {
     place: vec3f,
     ray: vec3f,
+    beam: vec3f,
     weight: f32,
-    width: f32,
     side: f32,
     reflections: f32,
 }
@@ -75,8 +75,43 @@ fn radtex_fresnel(cosine: f32, beyond: f32, index: f32) -> f32 {
     return select(1.0, 0.5 * (across * across + along * along), beyond > 0.0);
 }
 
+// A beam so many steps further on.
+fn radtex_advanced(beam: vec3f, steps: f32) -> vec3f {
+    return beam + steps * vec3f(0.0, beam.x, 2.0 * beam.y + steps * beam.x);
+}
+
+// Half of a beam behind a surface, by one of two planes: what its directions and places are multiplied by, what turns of
+// the surface's normal count for, and by how much it turns from ray to ray.
+fn radtex_fanned(beam: vec3f, direction: f32, place: f32, turn: f32, bend: f32) -> vec3f {
+    let bent = turn * bend;
+    let wider = direction * (direction * beam.x + 2.0 * bent * beam.y) + bent * bent * beam.z;
+    return 0.5 * vec3f(wider + turn * turn * radtex_exit.field_glass.y, place * (direction * beam.y + bent * beam.z),
+        place * place * beam.z);
+}
+
+// A beam that is reflected, or else refracted, by a surface whose normal bends so much a step.
+fn radtex_fan_out(beam: vec3f, cosine: f32, beyond: f32, index: f32, bend: f32, back: bool) -> vec3f {
+    let before = max(cosine, 0.2);
+    let after = max(beyond, 0.2);
+    let steeper = before / (index * after);
+    if back {
+        return radtex_fanned(beam, 1.0, 1.0, -2.0, bend / before) + radtex_fanned(beam, 1.0, 1.0, -2.0 * before, bend);
+    }
+    let in_plane = radtex_fanned(beam, steeper, after / before, 1.0 - steeper, bend / before);
+    return in_plane + radtex_fanned(beam, 1.0 / index, 1.0, after - before / index, bend);
+}
+
+// By how much the unit normal `ahead` of where a ray is turns, a step further along the surface.
+fn radtex_bend(way: RadtexWay, ahead: vec3f, cosine: f32) -> f32 {
+    var along = way.ray - cosine * ahead + 0.001 * cross(ahead, ahead.yzx);
+    along *= inverseSqrt(max(dot(along, along), 1e-12));
+    var beside = radtex_field(clamp(way.place + along, vec3f(0.0, 0.0, 0.0), radtex_exit.field_size.xyz - 1.0)).xyz;
+    beside *= way.side * inverseSqrt(max(dot(beside, beside), 1e-12));
+    return clamp(dot(beside - ahead, along), -1.0, 1.0);
+}
+
 // What of a ray is reflected, or else refracted, by a surface with the unit normal `ahead` on its far side.
-fn radtex_turned(way: RadtexWay, ahead: vec3f, cosine: f32, index: f32, back: bool) -> RadtexWay {
+fn radtex_turned(way: RadtexWay, ahead: vec3f, cosine: f32, index: f32, bend: f32, back: bool) -> RadtexWay {
     let glass = radtex_exit.field_glass;
     let beyond = radtex_beyond(cosine, index);
     let reflected = radtex_fresnel(cosine, beyond, index);
@@ -84,16 +119,18 @@ fn radtex_turned(way: RadtexWay, ahead: vec3f, cosine: f32, index: f32, back: bo
     var turned = way;
     turned.ray = normalize(select(bent, way.ray - 2.0 * cosine * ahead, back));
     turned.weight = way.weight * select(1.0 - reflected, reflected, back);
-    turned.width = way.width + select(glass.y, glass.z, back);
     turned.side = select(-way.side, way.side, back);
     turned.reflections = way.reflections + select(0.0, 1.0, back);
     turned.place = way.place + 1.5 * turned.ray;
-    if turned.reflections > glass.w { turned.weight = 0.0; }
+    if glass.y > 0.0 {
+        turned.beam = radtex_advanced(radtex_fan_out(way.beam, cosine, beyond, index, bend, back), 1.5);
+    }
+    if turned.reflections > glass.z { turned.weight = 0.0; }
     return turned;
 }
 
 // What is seen of the surroundings through white glass. At each surface a ray goes on as most of its light does; of what
-// parts from it, the brightest is followed, too.
+// parts from it, the brightest is followed, too; and what goes neither way comes from all around.
 fn radtex_followed(whence: vec3f, N: vec3f, V: vec3f) -> vec3f {
     let glass = radtex_exit.field_glass;
     let low = radtex_exit.field_low;
@@ -104,40 +141,54 @@ fn radtex_followed(whence: vec3f, N: vec3f, V: vec3f) -> vec3f {
     var way: RadtexWay;
     way.ray = normalize((cosine / glass.x - beyond) * N - V / glass.x);
     way.place = (whence - low.xyz) * low.w + 1.5 * way.ray;
+    way.beam = vec3f(0.0, 0.0, 0.0);
+    if glass.y > 0.0 { way.beam = radtex_advanced(radtex_fan_out(way.beam, cosine, beyond, glass.x, 0.0, false), 1.5); }
     way.weight = 1.0 - radtex_fresnel(cosine, beyond, glass.x);
-    way.width = glass.y;
     way.side = 1.0;
     way.reflections = 0.0;
-    for (var k = 0; k < 2; k++) {
+    var lost = way.weight;
+    for (var k = 0; k < 3; k++) {
         var parted = way;
         parted.weight = 0.0;
-        var outside = false;
-        var going = way.weight > 0.004;
+        var outside = k == 2;
+        var going = !outside && way.weight > 0.004;
         for (var taken = 0; taken < 64 && going; taken++) {
             let found = radtex_field(way.place);
             let ahead = found.xyz * (way.side * inverseSqrt(max(dot(found.xyz, found.xyz), 1e-12)));
             let free = -found.w * way.side;
             let towards = dot(way.ray, ahead);
             let met = free < 0.1 && towards > 0.05;
-            way.place += select(max(free, 0.5), free / max(towards, 0.2), met) * way.ray;
+            let steps = select(max(free, 0.5), free / max(towards, 0.2), met);
+            way.place += steps * way.ray;
+            way.beam = radtex_advanced(way.beam, steps);
             if met {
                 let index = select(glass.x, 1.0 / glass.x, way.side > 0.0);
                 let back = radtex_fresnel(towards, radtex_beyond(towards, index), index) >= 0.5;
-                let other = radtex_turned(way, ahead, towards, index, !back);
+                var bend = 0.0;
+                if glass.y > 0.0 { bend = radtex_bend(way, ahead, towards); }
+                let other = radtex_turned(way, ahead, towards, index, bend, !back);
                 if other.weight > parted.weight { parted = other; }
-                way = radtex_turned(way, ahead, towards, index, back);
+                way = radtex_turned(way, ahead, towards, index, bend, back);
             }
             let room = min(way.place, last - way.place);
             outside = min(room.x, min(room.y, room.z)) < 0.0;
             going = !outside && way.weight > 0.004;
         }
         if way.weight > 0.004 && (outside || way.side < 0.0) {
-            let exit = low.xyz + way.place / low.w;
-            let spread = log2(max(way.width, 1e-12));
+            let narrowest = clamp(way.beam.y / max(way.beam.x, 1e-12), 0.0, 64.0);  // so many steps back
+            let exit = low.xyz + (way.place - narrowest * way.ray) / low.w;
+            let spread = log2(max(1.4 * way.beam.x, 1e-12));
             light += way.weight
                 * radtex_shown(exit, way.ray, radtex_met(exit, way.ray), spread, vec4f(0.0, 0.0, 0.0, 1e6));
+            lost -= way.weight;
         }
         way = parted;
+        if k == 1 {
+            way.ray = -V;
+            way.place = (whence - low.xyz) * low.w;
+            way.beam = vec3f(0.5 / 1.4, 0.0, 0.0);
+            way.weight = lost;
+        }
     }
     return light;
 }

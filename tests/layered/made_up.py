@@ -95,7 +95,7 @@ def made_up_fragments(atlas: LayeredAtlas, count: int, framed: bool = False) -> 
     return replace(at, tangent=tangent, bitangent=np.cross(normal, tangent).astype(np.float32))
 
 
-def field_of_ball(size: tuple[int, int, int], widths: tuple[float, float] = (0.0, 0.0)) -> DistanceField:
+def field_of_ball(size: tuple[int, int, int], slopes: float = 0.0) -> DistanceField:
     """Of a ball around the middle; its box has three samples more at each end, of the fewest."""
     step = 2 * BALL / (min(size) - 7)
     low = (-0.5 * step * (np.array(size) - 1)).astype(np.float32)
@@ -103,7 +103,7 @@ def field_of_ball(size: tuple[int, int, int], widths: tuple[float, float] = (0.0
     place = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).transpose(2, 1, 0, 3)
     away = np.linalg.norm(place, axis=-1, keepdims=True)
     values = np.concatenate([place / np.maximum(away, 1e-9), (away - BALL) / step], axis=-1)
-    facts = FieldFacts(size, low, float(np.float32(step)), 1.45, widths, 4)
+    facts = FieldFacts(size, low, float(np.float32(step)), 1.45, slopes, 4)
     return DistanceField(np.ascontiguousarray(values, dtype=np.float32), facts)
 
 

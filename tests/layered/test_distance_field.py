@@ -13,11 +13,14 @@ from radtex_addon.core.arrays import Floats
 from radtex_addon.core.frame import normalised
 from radtex_addon.forms.layered.files.arrangement import field_beside, layers_beside
 from radtex_addon.forms.layered.lookup.distance_field import (
+    FAINT,
+    TAILS,
     DistanceField,
     FieldFacts,
     columns_of,
     follow,
     image_size,
+    reflected,
 )
 from tests.layered.made_up import BALL, field_of_ball
 
@@ -44,7 +47,7 @@ def fresnel(first: Floats, second: Floats) -> Floats:
 def test_a_ball_bends_rays_twice() -> None:
     """By twice the angle between incidence and refraction, in the plane of both."""
     normal, viewer = seen(1)
-    chief, _ = follow(field_of_ball((48, 48, 48)), BALL * normal, normal, viewer)
+    chief, *_ = follow(field_of_ball((48, 48, 48)), BALL * normal, normal, viewer)
     first = np.arccos((normal * viewer).sum(axis=1))
     second = np.arcsin(np.sin(first) / IOR)
     turned = np.arccos(np.clip((-viewer * chief.direction).sum(axis=1), -1, 1))
@@ -58,7 +61,7 @@ def test_a_ball_bends_rays_twice() -> None:
 
 def test_the_second_way_is_reflected_once_within() -> None:
     normal, viewer = seen(2)
-    _, second_way = follow(field_of_ball((48, 48, 48)), BALL * normal, normal, viewer)
+    _, second_way, _ = follow(field_of_ball((48, 48, 48)), BALL * normal, normal, viewer)
     first = np.arccos((normal * viewer).sum(axis=1))
     second = np.arcsin(np.sin(first) / IOR)
     reflected = fresnel(first, second)
@@ -80,20 +83,58 @@ def plate(facts: FieldFacts) -> DistanceField:
     return DistanceField(values, facts)
 
 
-FACTS = FieldFacts((40, 40, 40), np.array([-1.95, -1.95, -1.95], np.float32), 0.1, 1.5, (1e-3, 5e-2), 4)
+FACTS = FieldFacts((40, 40, 40), np.array([-1.95, -1.95, -1.95], np.float32), 0.1, 1.5, 1e-3, 4)
 
 
 def test_a_plate_moves_rays_aside_and_widens_them() -> None:
     viewer = normalised(np.array([[0.3, 0.2, 1.0], [0, 0, 1.0]])).astype(np.float32)
     offset = np.array([[0, 0, 0.5]] * 2, dtype=np.float32)
-    chief, once = follow(plate(FACTS), offset, np.array([[0, 0, 1.0]] * 2, np.float32), viewer)
+    chief, once, _ = follow(plate(FACTS), offset, np.array([[0, 0, 1.0]] * 2, np.float32), viewer)
     assert chief.direction == pytest.approx(-viewer, abs=1e-5)
-    assert chief.variance == pytest.approx(2e-3)
+    assert chief.variance[1] == pytest.approx(TAILS * 0.5e-3)
     inner = normalised(np.append(-viewer[0, :2] / 1.5, -np.sqrt(1 - (viewer[0, :2] ** 2).sum() / 2.25)))
     below = offset[0] + inner / -inner[2]
     back = chief.place[0] - chief.direction[0] * ((chief.place[0, 2] + 0.5) / chief.direction[0, 2])
     assert back == pytest.approx(below, abs=0.02)
-    assert once.variance == pytest.approx(2e-3 + 5e-2)  # reflected within, and refracted
+    assert once.variance[1] == pytest.approx(TAILS * 9.5e-3)  # reflected within, and refracted
+
+
+def refracted(ray: Floats, ahead: Floats, ratio: float) -> Floats:
+    """Unit directions of rays beyond a surface, of the index of refraction before over that behind it."""
+    cosine = (ray * ahead).sum(axis=-1, keepdims=True)
+    beyond = np.sqrt(1 - ratio**2 * (1 - cosine**2))
+    turned: Floats = ratio * ray + (beyond - ratio * cosine) * ahead
+    return turned
+
+
+def test_rough_glass_spreads_rays_as_much_as_its_slopes_and_its_shape_do() -> None:
+    """Beside many rays through a ball whose normals are turned by chance."""
+    slopes, rng = 1e-4, np.random.default_rng(5)
+    normal, viewer = seen(6, 0.4)
+    chief, *_ = follow(field_of_ball((48, 48, 48), slopes), BALL * normal, normal, viewer)
+    shape = (500, len(normal), 3)
+
+    def rough(normals: Floats) -> Floats:
+        return normalised(normals + np.sqrt(slopes) * rng.normal(size=shape))
+
+    inner = refracted(-np.broadcast_to(viewer, shape), -rough(normal), 1 / IOR)
+    left = normalised(normal - 2 * (inner * normal).sum(axis=-1, keepdims=True) * inner)
+    ray = refracted(inner, rough(left), IOR)
+    apart = ray - ray.mean(axis=0)
+    spread = (apart**2).sum(axis=-1).mean(axis=0) / 2
+    assert np.median(chief.variance / TAILS / spread) == pytest.approx(1, abs=0.1)
+    assert chief.variance / TAILS == pytest.approx(spread, rel=0.3)
+    across = left - left.mean(axis=0)
+    back = BALL * (across * apart).sum(axis=-1).mean(axis=0) / (2 * spread)  # to where they are narrowest
+    from_there = ((left.mean(axis=0) * BALL - chief.place) * chief.direction).sum(axis=1)
+    assert from_there == pytest.approx(np.maximum(back, 0), abs=0.2 * BALL)
+
+
+def test_no_light_of_clear_glass_is_lost() -> None:
+    normal, viewer = seen(7, 0.0)
+    ways = follow(field_of_ball((48, 48, 48)), BALL * normal, normal, viewer)
+    entered = 1 - reflected((normal * viewer).sum(axis=1), IOR)
+    assert sum(way.weight for way in ways) == pytest.approx(entered, abs=FAINT)
 
 
 def test_rays_are_lost_after_too_many_reflections() -> None:
@@ -107,7 +148,7 @@ def test_rays_are_lost_after_too_many_reflections() -> None:
     assert kept[1].weight.any()
     assert not lost[1].weight.any()
     up = np.array([[0, 0, 1.0]], np.float32)
-    chief, once = follow(field, 0.5 * up, up, up)
+    chief, once, _ = follow(field, 0.5 * up, up, up)
     assert chief.weight == pytest.approx(0.96**2, abs=1e-3)
     assert not once.weight.any()
 

@@ -61,14 +61,13 @@ def find_distance_field(
     if not beside.any() or (away > 0).mean() < _OUTWARDS:
         return None
     values = np.concatenate([normal, signed[:, None]], axis=1).reshape(*map(len, axes), 4)
-    mirrored = float(width_of(np.array(roughness)))
     bounces = int(cast(Any, scene).cycles.glossy_bounces)
     facts = FieldFacts(
         size=cast("tuple[int, int, int]", tuple(map(len, axes))),
         low=(centre - middle + step * np.array([axis[0] for axis in axes])).astype(np.float32),
         step=float(np.float32(step)),
         ior=float(np.float32(ior)),
-        widths=(mirrored * (ior - 1) ** 2 / 4, mirrored * ior**2),
+        slopes=float(width_of(np.array(roughness))) / 4 if roughness else 0.0,  # mirrors double slopes
         reflections=min(bounces, int(cast(Any, scene).cycles.max_bounces)),
     )
     return DistanceField(np.ascontiguousarray(values.transpose(2, 1, 0, 3), dtype=np.float32), facts)

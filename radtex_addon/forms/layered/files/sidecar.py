@@ -392,7 +392,7 @@ class LayeredSidecar:
             found += [self.plane.normal, np.array([self.plane.height]), self.plane.eye]
         if self.through is not None and self.through.field is not None:
             field = self.through.field
-            found += [field.low, np.array([field.step, field.ior, *field.widths])]
+            found += [field.low, np.array([field.step, field.ior, field.slopes])]
         return [*found, self.things_eye, self.boxes]
 
 
@@ -430,7 +430,7 @@ def _field_facts(field: FieldFacts) -> dict[str, Any]:
         "low": _row(field.low),
         "step": _short(field.step),
         "ior": _short(field.ior),
-        "widths": [_short(width) for width in field.widths],
+        "slopes": _short(field.slopes),
         "reflections": field.reflections,
     }
 
@@ -440,17 +440,15 @@ def _field_in(facts: Facts) -> FieldFacts:
     if not all(side == round(side) and 2 <= side <= _MOST_SAMPLES for side in sides):
         raise FormatError(f'{facts.source}: "size" is not of 2 to {_MOST_SAMPLES} samples along each side')
     width, height, depth = map(round, sides)
-    refracted, reflected = facts.numbers("widths", 2)
+    slopes = facts.number("slopes")
     ior, step = facts.positive("ior"), facts.positive("step")
-    if min(refracted, reflected) < 0 or not 1 < ior <= _DENSEST:
-        raise FormatError(
-            f'{facts.source}: "widths" are below 0, or "ior" is not above 1 and up to {_DENSEST}'
-        )
+    if slopes < 0 or not 1 < ior <= _DENSEST:
+        raise FormatError(f'{facts.source}: "slopes" is below 0, or "ior" not above 1 and up to {_DENSEST}')
     if step < np.finfo(np.float32).tiny:
         raise FormatError(f'{facts.source}: "step" is {step}, which no field has')
     reflections = facts.whole_number("reflections", 0, _MOST_REFLECTIONS)
     size, low = (width, height, depth), _vector(facts, "low")
-    return FieldFacts(size, low, step, ior, (refracted, reflected), reflections)
+    return FieldFacts(size, low, step, ior, slopes, reflections)
 
 
 def _lamp(facts: Facts) -> Lamp:

@@ -21,7 +21,7 @@ from ....core.arrays import Bools, Floats
 from ....core.colour_spaces import LUMINANCE
 from ....core.hemisphere import cell_centres, square_to_direction
 from ..cells import THROUGH_CELLS
-from ..lookup.distance_field import DistanceField, follow
+from ..lookup.distance_field import FieldFacts, reflected
 from ..lookup.environment import Around
 from ..lookup.ways import CHANNELS, Through, look_through
 from ..samples import ExitSamples
@@ -38,7 +38,6 @@ _AGREEING = 2.0  # paths that have to agree
 _ROUNDS = 2
 _BINOMIAL = np.array([0.25, 0.5, 0.25], dtype=np.float32)  # what neighbouring cells count for
 _LEAST = 1e-6
-_EVERY = 5  # one in so many cells tells how dark glass is
 _DARKEST = 0.01  # share of the light that glass lets through
 _SEED = 5
 _ROWS = 1 << 12  # texels whose samples are in hand at once
@@ -150,37 +149,20 @@ def fit_through(
     by_cells = Through(grid_of_ways.placed(ways), plan.placed(exits.colour, gutter=True), rest=none)
     if exits.field is None:
         return by_cells
-    dimmed = _dimmed(exits, exits.field, around)
+    dimmed = _dimmed(exits, exits.field.facts)
     colour = plan.placed(exits.colour * dimmed[:, None], gutter=True)
     by_field = Through(grid_of_ways.placed(ways / dimmed[:, None]), colour, none, exits.field)
     errors = _errors([by_cells, by_field], light, around, used, grid.part)
     return by_field if errors[1] < errors[0] else by_cells
 
 
-def _dimmed(exits: ExitSamples, field: DistanceField, around: Around) -> Floats:
-    """By how much ways through the field are too bright beside the traced paths, in each texel (K,)."""
-    plan = exits.plan
-    count, some_cells = exits.weight.shape[1], slice(None, None, _EVERY)
-    local = square_to_direction(cell_centres(plan.layout.bucket).reshape(-1, 2)[some_cells]).astype(
-        np.float32
-    )
-    cells = len(local)
-    frame = np.stack(
-        [axis.reshape(-1, 3)[:count] for axis in (plan.tangent, plan.bitangent, plan.normal)], axis=1
-    ).astype(np.float32)
-    offset = (plan.points - around.middle).astype(np.float32)
-    white = np.empty(count, dtype=np.float32)
-    paths = exits.weight[:, :, some_cells].mean(axis=0).sum(axis=1)
-
-    def sum_up(some: slice) -> None:
-        viewer = np.einsum("sa,kac->ksc", local, frame[some]).reshape(-1, 3)
-        each = np.arange(some.start, some.stop).repeat(cells)
-        found = follow(field, offset[each], frame[each, 2], viewer)
-        white[some] = np.sum([way.weight for way in found], axis=0).reshape(-1, cells).sum(axis=1)
-
-    in_blocks(sum_up, count, cells, 1 << 16)
-    pooled = Neighbours(plan).pool(np.stack([paths, white])[..., None])[..., 0]
-    share = pooled[0] / np.maximum(pooled[1], _LEAST)
+def _dimmed(exits: ExitSamples, facts: FieldFacts) -> Floats:
+    """The share of the light in smooth clear glass that traced paths leave there, in each texel (K,)."""
+    local = square_to_direction(cell_centres(exits.plan.layout.bucket).reshape(-1, 2))
+    white = 1 - reflected(local[:, 2].astype(np.float32), facts.ior)
+    paths = exits.weight.mean(axis=0).sum(axis=1)
+    pooled = Neighbours(exits.plan).pool(np.stack([paths, np.ones_like(paths)])[..., None])[..., 0]
+    share = pooled[0] / np.maximum(pooled[1] * white.sum(), _LEAST)
     return cast(Floats, np.clip(share, _DARKEST, 1).astype(np.float32))
 
 

@@ -4,7 +4,10 @@
 
 The object is a field of signed distances (sphere tracing: Hart, 1996), each with the normal of the nearest
 place of its surface. At each surface a ray goes on as most of its light does; the brightest of the shares
-that part from it is followed as a second ray.
+that part from it is followed as a second ray. What goes neither way is taken to come from all around.
+
+Rough glass makes beams of rays, as wide as the small slopes of all surfaces make them: ray differentials
+(Igehy, "Tracing Ray Differentials", 1999), whose squares are averaged over both planes, and over slopes.
 """
 
 from __future__ import annotations
@@ -24,6 +27,11 @@ LEAST = 0.5  # … by which a ray goes on at least
 PUSH = 1.5  # … by which a ray that was turned leaves the surface
 TOWARDS = 0.05  # cosine between a ray and the normal of a surface that it meets, at least
 STEEP = 0.2  # cosine: what a distance is divided by, at least, to know where along the ray the surface is
+FAN = 0.2  # cosine that tells how a surface fans a beam out, at least
+BESIDE = 1.0  # steps along a surface in which its normal tells how round it is
+TAILS = 1.4  # what beams' width² is multiplied by, as lobes with tails add up to more
+FARTHEST = 64  # steps, by which beams are narrowest before where they leave
+ALL_AROUND = 0.5  # width² of what is seen on ways that are not followed
 GRAZING = 1e-3  # cosine, at least
 FAINT = 0.004  # share of the light that a way has, at least
 
@@ -33,15 +41,15 @@ class FieldFacts:
     """Where a distance field lies, and of what glass it is.
 
     `size`: samples along x, y and z. `low` (3,): the first sample, from the middle of the surroundings;
-    `step`: between samples, in scene units; `ior`: the index of refraction. A ray's width² grows by the
-    `widths` at each refraction and at each reflection, radians²; it is lost after so many `reflections`.
+    `step`: between samples, in scene units; `ior`: the index of refraction; `slopes`: the variance of the
+    surface's small slopes along each axis, radians². A ray is lost after so many `reflections`.
     """
 
     size: tuple[int, int, int]
     low: Floats
     step: float
     ior: float
-    widths: tuple[float, float]
+    slopes: float
     reflections: int
 
 
@@ -90,7 +98,8 @@ class Ways:
     """Where rays leave a clear object.
 
     Their `weight` (N,), 0 where they do not; `place` (N, 3), from the middle, and unit `direction` (N, 3), in
-    world space; `variance` (N,), their lobes' width².
+    world space; `variance` (N,), their lobes' width², about that place: of rough glass, where beams are
+    narrowest.
     """
 
     weight: Floats
@@ -101,15 +110,19 @@ class Ways:
 
 @dataclass(eq=False)
 class _Rays:
-    """Rays on their way: as `Ways`, but their `place` is in steps of the field.
+    """Rays on their way: as `Ways`, but their `place` is where they are, in steps of the field.
 
-    Whether they are `inside`, (N,), and how many `reflections` (N,) they had.
+    Those of a beam differ in direction by `variance`, radians², and in place across the ray by `spread`,
+    steps², which go together by `fan`, radians x steps, (N,) each. Whether rays are `inside`, (N,), and how
+    many `reflections` (N,) they had.
     """
 
     weight: Floats
     place: Floats
     direction: Floats
     variance: Floats
+    fan: Floats
+    spread: Floats
     inside: Bools
     reflections: Ints
 
@@ -118,40 +131,69 @@ class _Rays:
         for name, values in vars(other).items():
             vars(self)[name][some] = values
 
+    def advance(self, some: Ints | slice, far: Floats | np.float32) -> None:
+        """Take `some` of them on by so many steps."""
+        self.place[some] += np.reshape(far, (-1, 1)) * self.direction[some]
+        self.spread[some] += far * (2 * self.fan[some] + far * self.variance[some])
+        self.fan[some] += far * self.variance[some]
+
     def some(self, chosen: Ints | Bools) -> _Rays:
         """Copies of some of them."""
         return _Rays(*(values[chosen] for values in vars(self).values()))
 
 
 def follow(field: DistanceField, offset: Floats, normal: Floats, viewer: Floats) -> list[Ways]:
-    """The ways on which most of the light comes through the field's object to viewers, the brightest first.
+    """The ways on which light comes through the field's object to viewers: its WAYS, the brightest first.
+
+    And that which stands for all others: the viewer's own, with a lobe that is ALL_AROUND.
 
     `offset` (N, 3): where they look at its surface, from the middle; unit `normal` and `viewer` (N, 3), both
     on the same side of it. All in world space.
     """
     facts, count = field.facts, len(offset)
     cosine = np.maximum((viewer * normal).sum(axis=1), np.float32(GRAZING))
-    reflected, beyond = _fresnel(cosine, np.full(count, facts.ior, dtype=np.float32))
+    index = np.full(count, facts.ior, dtype=np.float32)
+    mirrored, beyond = _fresnel(cosine, index)
     direction = _unit(-viewer / facts.ior + (cosine / facts.ior - beyond)[:, None] * normal)
+    none = np.zeros(count, dtype=np.float32)
     rays = _Rays(
-        weight=1 - reflected,
-        place=((offset - facts.low) / facts.step + PUSH * direction).astype(np.float32),
+        weight=1 - mirrored,
+        place=((offset - facts.low) / facts.step).astype(np.float32),
         direction=direction.astype(np.float32),
-        variance=np.full(count, facts.widths[0], dtype=np.float32),
+        variance=none.copy(),
+        fan=none.copy(),
+        spread=none.copy(),
         inside=np.ones(count, dtype=bool),
         reflections=np.zeros(count, dtype=np.int32),
     )
-    found = []
+    if facts.slopes:
+        _fan_out(facts, rays, _refracting(cosine, beyond, index), none)
+    rays.advance(slice(None), np.float32(PUSH))
+    lost, found = 1 - mirrored, []
     for _ in range(WAYS):
         parted = rays.some(np.arange(count))
         parted.weight[:] = 0
         with np.errstate(invalid="ignore"):  # a damaged file may hold any values
             _march(field, rays, parted)
         rays.weight[~np.isfinite(rays.place).all(axis=1)] = 0
-        place = facts.low + rays.place * np.float32(facts.step)
-        found.append(Ways(rays.weight, place.astype(np.float32), rays.direction, rays.variance))
+        found.append(_left(facts, rays))
+        lost = lost - rays.weight
         rays = parted
-    return found
+    lost[lost <= FAINT] = 0
+    return [*found, Ways(lost, offset, -viewer, np.full(count, ALL_AROUND, dtype=np.float32))]
+
+
+def reflected(cosine: Floats, ior: float) -> Floats:
+    """The share (N,) that smooth glass reflects of what comes to it at such a `cosine` (N,), from outside."""
+    cosine = np.maximum(cosine, np.float32(GRAZING))
+    return _fresnel(cosine, np.full(len(cosine), ior, dtype=np.float32))[0]
+
+
+def _left(facts: FieldFacts, rays: _Rays) -> Ways:
+    """The ways of rays that have left the object."""
+    back = np.clip(rays.fan / np.maximum(rays.variance, np.float32(1e-12)), 0, FARTHEST)
+    place = facts.low + (rays.place - back[:, None] * rays.direction) * np.float32(facts.step)
+    return Ways(rays.weight, place.astype(np.float32), rays.direction, rays.variance * np.float32(TAILS))
 
 
 def _march(field: DistanceField, rays: _Rays, parted: _Rays) -> None:
@@ -174,10 +216,10 @@ def _march(field: DistanceField, rays: _Rays, parted: _Rays) -> None:
         far = np.where(
             met, free / np.maximum(towards, np.float32(STEEP)), np.maximum(free, np.float32(LEAST))
         )
-        rays.place[going] = here + far[:, None] * rays.direction[going]
+        rays.advance(going, far)
         some = going[met]
         if len(some):
-            brighter, other = _split(field.facts, rays.some(some), ahead[met], towards[met])
+            brighter, other = _split(field, rays.some(some), ahead[met], towards[met])
             first = other.weight > parted.weight[some]
             parted.put(some[first], other.some(first))
             rays.put(some, brighter)
@@ -186,30 +228,81 @@ def _march(field: DistanceField, rays: _Rays, parted: _Rays) -> None:
     rays.weight[going[rays.inside[going]]] = 0
 
 
-def _split(facts: FieldFacts, rays: _Rays, ahead: Floats, towards: Floats) -> tuple[_Rays, _Rays]:
+def _split(field: DistanceField, rays: _Rays, ahead: Floats, towards: Floats) -> tuple[_Rays, _Rays]:
     """Rays that have met the surface, parted into those that have more of the light, and the others.
 
     `ahead` (N, 3): its unit normal on the far side; `towards` (N,): the cosine between both.
     """
+    facts = field.facts
     index = np.where(rays.inside, np.float32(1 / facts.ior), np.float32(facts.ior))
     reflected, beyond = _fresnel(towards, index)
     bent = rays.direction / index[:, None] + (beyond - towards / index)[:, None] * ahead
     mirrored = rays.direction - 2 * towards[:, None] * ahead
     back = reflected >= 0.5
+    if facts.slopes:
+        bend = _bend(field, rays, ahead, towards)
+        mirroring, refracting = _mirroring(towards), _refracting(towards, beyond, index)
 
     def turned(back: Bools) -> _Rays:
         direction = _unit(np.where(back[:, None], mirrored, bent))
         lost = rays.reflections + back > facts.reflections
-        return _Rays(
+        found = _Rays(
             weight=np.where(lost, 0, rays.weight * np.where(back, reflected, 1 - reflected)),
-            place=rays.place + np.float32(PUSH) * direction,
+            place=rays.place.copy(),
             direction=direction,
-            variance=rays.variance + np.where(back, facts.widths[1], facts.widths[0]).astype(np.float32),
+            variance=rays.variance.copy(),
+            fan=rays.fan.copy(),
+            spread=rays.spread.copy(),
             inside=rays.inside ^ ~back,
             reflections=rays.reflections + back,
         )
+        if facts.slopes:
+            _fan_out(facts, found, np.where(back, mirroring, refracting), bend)
+        found.advance(slice(None), np.float32(PUSH))
+        return found
 
     return turned(back), turned(~back)
+
+
+def _bend(field: DistanceField, rays: _Rays, ahead: Floats, towards: Floats) -> Floats:
+    """By how much the normals `ahead` of where rays are turn, a step further along the surface, (N,)."""
+    across = np.cross(ahead, ahead[:, [1, 2, 0]])  # in case there is no plane of incidence
+    along = _unit(rays.direction - towards[:, None] * ahead + np.float32(GRAZING) * across)
+    last = np.array(field.facts.size, dtype=np.float32) - 1
+    beside = field.at(np.clip(rays.place + np.float32(BESIDE) * along, 0, last))[:, :3]
+    turn = _unit(beside) * np.where(rays.inside, np.float32(1), np.float32(-1))[:, None] - ahead
+    return cast(Floats, np.clip((turn * along).sum(axis=1) / np.float32(BESIDE), -1, 1))
+
+
+# How surfaces fan beams out, in the plane of incidence and across it, (4, 2, N): what they multiply
+# differences of directions by, and of places; what normals' turns count for in directions; and how far
+# apart along the surface rays meet it that are one step apart.
+
+
+def _refracting(cosine: Floats, beyond: Floats, index: Floats) -> Floats:
+    cosine, beyond = (np.maximum(each, np.float32(FAN)) for each in (cosine, beyond))
+    ratio, one = 1 / index, np.ones_like(cosine)
+    steeper = ratio * cosine / beyond
+    return np.array(
+        [[steeper, ratio], [beyond / cosine, one], [1 - steeper, beyond - ratio * cosine], [1 / cosine, one]]
+    )
+
+
+def _mirroring(cosine: Floats) -> Floats:
+    cosine = np.maximum(cosine, np.float32(FAN))
+    one = np.ones_like(cosine)
+    return np.array([[one, one], [one, one], [-2 * one, -2 * cosine], [1 / cosine, one]])
+
+
+def _fan_out(facts: FieldFacts, rays: _Rays, by: Floats, bend: Floats) -> None:
+    """Change rays' beams as surfaces do, `by` such factors, whose normals `bend` (N,) along each step."""
+    direction, place, turn, apart = by
+    bent = turn * bend * apart
+    variance, fan, spread = rays.variance, rays.fan, rays.spread
+    wider = direction**2 * variance + 2 * direction * bent * fan + bent**2 * spread + turn**2 * facts.slopes
+    rays.variance[:] = np.maximum(wider.mean(axis=0), 0)
+    rays.fan[:] = (place * (direction * fan + bent * spread)).mean(axis=0)
+    rays.spread[:] = (place**2 * spread).mean(axis=0)
 
 
 def _fresnel(cosine: Floats, index: Floats) -> tuple[Floats, Floats]:
