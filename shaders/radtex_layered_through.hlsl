@@ -136,7 +136,7 @@ RadtexWay radtex_turned(RadtexWay way, float3 ahead, float cosine, float index, 
 }
 
 // What is seen of the surroundings through white glass. At each surface a ray goes on as most of its light does; of what
-// parts from it, the brightest is followed, too; and what goes neither way comes from all around.
+// parts from it, the brightest is followed, too; and of what goes neither way, a share comes from all around.
 float3 radtex_followed(float3 from, float3 N, float3 V) {
     float4 glass = radtex_field_glass, low = radtex_field_low;
     float3 last = radtex_field_size.xyz - 1.0, light = float3(0.0, 0.0, 0.0);
@@ -188,7 +188,7 @@ float3 radtex_followed(float3 from, float3 N, float3 V) {
             way.ray = -V;
             way.place = (from - low.xyz) * low.w;
             way.beam = float3(0.5 / 1.4, 0.0, 0.0);
-            way.weight = lost;
+            way.weight = lost * glass.w;
         }
     }
     return light;

@@ -130,7 +130,7 @@ fn radtex_turned(way: RadtexWay, ahead: vec3f, cosine: f32, index: f32, bend: f3
 }
 
 // What is seen of the surroundings through white glass. At each surface a ray goes on as most of its light does; of what
-// parts from it, the brightest is followed, too; and what goes neither way comes from all around.
+// parts from it, the brightest is followed, too; and of what goes neither way, a share comes from all around.
 fn radtex_followed(whence: vec3f, N: vec3f, V: vec3f) -> vec3f {
     let glass = radtex_exit.field_glass;
     let low = radtex_exit.field_low;
@@ -187,7 +187,7 @@ fn radtex_followed(whence: vec3f, N: vec3f, V: vec3f) -> vec3f {
             way.ray = -V;
             way.place = (whence - low.xyz) * low.w;
             way.beam = vec3f(0.5 / 1.4, 0.0, 0.0);
-            way.weight = lost;
+            way.weight = lost * glass.w;
         }
     }
     return light;

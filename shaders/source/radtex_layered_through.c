@@ -214,7 +214,7 @@ RadtexWay radtex_turned(RadtexWay way, vec3 ahead, float cosine, float index, fl
 }
 
 // What is seen of the surroundings through white glass. At each surface a ray goes on as most of its light does; of what
-// parts from it, the brightest is followed, too; and what goes neither way comes from all around.
+// parts from it, the brightest is followed, too; and of what goes neither way, a share comes from all around.
 vec3 radtex_followed(vec3 from, vec3 N, vec3 V) {
     vec4 glass = radtex_field_glass, low = radtex_field_low;
     vec3 last = radtex_field_size.xyz - 1.0, light = vec3(0.0, 0.0, 0.0);
@@ -265,7 +265,7 @@ vec3 radtex_followed(vec3 from, vec3 N, vec3 V) {
             way.ray = -V;
             way.place = (from - low.xyz) * low.w;
             way.beam = vec3(0.5 / 1.4, 0.0, 0.0);
-            way.weight = lost;
+            way.weight = lost * glass.w;
         }
     }
     return light;

@@ -190,6 +190,7 @@ def test_a_damaged_sidecar_is_refused(
         ("ior", 1.0, '"ior" not above 1'),
         ("ior", 1e39, '"ior" not above 1'),
         ("slopes", -1e-3, '"slopes" is below 0'),
+        ("all_around", 1.5, '"all_around" is 1.5'),
         ("step", 1e-320, '"step" is'),
         ("reflections", -1, '"reflections" is -1'),
         ("low", [0, 1e39, 0], "beyond the range of single floats"),

@@ -309,7 +309,7 @@ def _field_values(sidecar: LayeredSidecar) -> Values:
     return {
         "radtex_field_low": _row([*field.low, 1 / field.step]),
         "radtex_field_size": _row([*field.size, columns_of(field.size)]),
-        "radtex_field_glass": _row([field.ior, field.slopes, field.reflections, 0]),
+        "radtex_field_glass": _row([field.ior, field.slopes, field.reflections, field.all_around]),
     }
 
 

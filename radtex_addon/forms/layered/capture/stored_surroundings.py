@@ -94,7 +94,7 @@ def _single(values: Floats) -> Floats:
 def arrays_of_field(field: DistanceField) -> Arrays:
     """All of a distance field, by names that `field_of` reads."""
     facts = field.facts
-    numbers = [*facts.low, facts.step, facts.ior, facts.slopes, facts.reflections]
+    numbers = [*facts.low, facts.step, facts.ior, facts.slopes, facts.reflections, facts.all_around]
     return {"field": field.values, "field_facts": np.array(numbers, dtype=np.float64)}
 
 
@@ -104,6 +104,8 @@ def field_of(arrays: Arrays) -> DistanceField | None:
         return None
     values, numbers = arrays["field"], arrays["field_facts"]
     depth, height, width = values.shape[:3]
-    step, ior, slopes, reflections = numbers[3:].tolist()
-    facts = FieldFacts((width, height, depth), _single(numbers[:3]), step, ior, slopes, int(reflections))
+    step, ior, slopes, reflections, all_around = numbers[3:].tolist()
+    facts = FieldFacts(
+        (width, height, depth), _single(numbers[:3]), step, ior, slopes, int(reflections), all_around
+    )
     return DistanceField(values, facts)

@@ -392,7 +392,7 @@ class LayeredSidecar:
             found += [self.plane.normal, np.array([self.plane.height]), self.plane.eye]
         if self.through is not None and self.through.field is not None:
             field = self.through.field
-            found += [field.low, np.array([field.step, field.ior, field.slopes])]
+            found += [field.low, np.array([field.step, field.ior, field.slopes, field.all_around])]
         return [*found, self.things_eye, self.boxes]
 
 
@@ -432,6 +432,7 @@ def _field_facts(field: FieldFacts) -> dict[str, Any]:
         "ior": _short(field.ior),
         "slopes": _short(field.slopes),
         "reflections": field.reflections,
+        "all_around": _short(field.all_around),
     }
 
 
@@ -440,15 +441,17 @@ def _field_in(facts: Facts) -> FieldFacts:
     if not all(side == round(side) and 2 <= side <= _MOST_SAMPLES for side in sides):
         raise FormatError(f'{facts.source}: "size" is not of 2 to {_MOST_SAMPLES} samples along each side')
     width, height, depth = map(round, sides)
-    slopes = facts.number("slopes")
+    slopes, all_around = facts.number("slopes"), facts.number("all_around")
     ior, step = facts.positive("ior"), facts.positive("step")
     if slopes < 0 or not 1 < ior <= _DENSEST:
         raise FormatError(f'{facts.source}: "slopes" is below 0, or "ior" not above 1 and up to {_DENSEST}')
+    if not 0 <= all_around <= 1:
+        raise FormatError(f'{facts.source}: "all_around" is {all_around}, which is not between 0 and 1')
     if step < np.finfo(np.float32).tiny:
         raise FormatError(f'{facts.source}: "step" is {step}, which no field has')
     reflections = facts.whole_number("reflections", 0, _MOST_REFLECTIONS)
     size, low = (width, height, depth), _vector(facts, "low")
-    return FieldFacts(size, low, step, ior, slopes, reflections)
+    return FieldFacts(size, low, step, ior, slopes, reflections, all_around)
 
 
 def _lamp(facts: Facts) -> Lamp:

@@ -9,6 +9,7 @@ splits light at each surface, the share that refracts every time. Its ray is kep
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import cast
 
 import numpy as np
@@ -141,7 +142,8 @@ def fit_through(
 ) -> Through:
     """The ways by cells, or through the object's field if light samples say that these show more.
 
-    Both are judged by what is left when a rest was fitted to half of the samples, in the others.
+    Through the field alone, or with light from all around on the ways that are not followed. All are judged by
+    what is left when a rest was fitted to half of the samples, in the others.
     """
     none = np.zeros((1, 1, 1, 1, 3), dtype=np.float32)
     plan, grid_of_ways = exits.plan, BucketGrid.of(exits.plan, 1)
@@ -152,8 +154,9 @@ def fit_through(
     dimmed = _dimmed(exits, exits.field.facts)
     colour = plan.placed(exits.colour * dimmed[:, None], gutter=True)
     by_field = Through(grid_of_ways.placed(ways / dimmed[:, None]), colour, none, exits.field)
-    errors = _errors([by_cells, by_field], light, around, used, grid.part)
-    return by_field if errors[1] < errors[0] else by_cells
+    lossless = replace(exits.field, facts=replace(exits.field.facts, all_around=1.0))
+    choices = [by_cells, by_field, replace(by_field, field=lossless)]
+    return choices[int(np.argmin(_errors(choices, light, around, used, grid.part)))]
 
 
 def _dimmed(exits: ExitSamples, facts: FieldFacts) -> Floats:

@@ -4,7 +4,7 @@
 
 The object is a field of signed distances (sphere tracing: Hart, 1996), each with the normal of the nearest
 place of its surface. At each surface a ray goes on as most of its light does; the brightest of the shares
-that part from it is followed as a second ray. What goes neither way is taken to come from all around.
+that part from it is followed as a second ray. What goes neither way may be taken to come from all around.
 
 Rough glass makes beams of rays, as wide as the small slopes of all surfaces make them: ray differentials
 (Igehy, "Tracing Ray Differentials", 1999), whose squares are averaged over both planes, and over slopes.
@@ -42,7 +42,8 @@ class FieldFacts:
 
     `size`: samples along x, y and z. `low` (3,): the first sample, from the middle of the surroundings;
     `step`: between samples, in scene units; `ior`: the index of refraction; `slopes`: the variance of the
-    surface's small slopes along each axis, radians². A ray is lost after so many `reflections`.
+    surface's small slopes along each axis, radians². A ray is lost after so many `reflections`. Of the light
+    that goes on ways which are not followed, a share comes from `all_around`.
     """
 
     size: tuple[int, int, int]
@@ -51,6 +52,7 @@ class FieldFacts:
     ior: float
     slopes: float
     reflections: int
+    all_around: float = 0.0
 
 
 def columns_of(size: tuple[int, int, int]) -> int:
@@ -179,6 +181,7 @@ def follow(field: DistanceField, offset: Floats, normal: Floats, viewer: Floats)
         found.append(_left(facts, rays))
         lost = lost - rays.weight
         rays = parted
+    lost = lost * np.float32(facts.all_around)
     lost[lost <= FAINT] = 0
     return [*found, Ways(lost, offset, -viewer, np.full(count, ALL_AROUND, dtype=np.float32))]
 
