@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, cast
@@ -24,12 +25,14 @@ from radtex_addon.forms.layered.capture.gloss_maps import width_of
 from radtex_addon.forms.layered.cells import FIELD_SAMPLES
 from radtex_addon.forms.layered.fit.through import fit_ways
 from radtex_addon.forms.layered.lookup.distance_field import DistanceField
+from radtex_addon.job import bake_object
 from radtex_addon.prepare.prepared import prepare
 from radtex_addon.scene.mesh.copy import baked_mesh
 from radtex_addon.scene.mesh.evaluated import evaluate
+from radtex_addon.scene.nodes import open_world
 from radtex_addon.scene.objects import find_object
 from radtex_addon.scene.scratch import scratch_scene
-from radtex_addon.settings.spec import BakeSpec, Layout
+from radtex_addon.settings.spec import BakeSpec, Layout, Unwrap
 from tests.bench.fidelity.scenes.materials import assign, principled
 from tests.bench.fidelity.scenes.meshes import as_subject, made
 from tests.blender import stage
@@ -240,3 +243,20 @@ def test_what_rays_cannot_be_followed_through_has_no_field(case: str) -> None:
         tree.links.new(tree.nodes.new("ShaderNodeTexImage").outputs[0], glass_node.inputs["Roughness"])
     others = {"two kinds": [(ball(0.4), clear(1.3))], "opaque in part": [(ball(0.4), plaster())]}
     assert field_of((item, material), *others.get(case, [])) is None
+
+
+@pytest.mark.one_blender
+def test_a_bake_of_closed_glass_follows_rays_through_its_field(tmp_path: Path) -> None:
+    """Samples choose it before the rays of cells; an orange ball is seen through it."""
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    scene = context.scene
+    scene.world, build = open_world("Sky")
+    build.node("ShaderNodeOutputWorld", build.node("ShaderNodeBackground", (0.5, 0.5, 0.5, 1)).outputs[0])
+    assign(ball(0.5, place=(0, 2, 0)), principled("Orange", (0.8, 0.3, 0.1)))
+    item = ball(1.0, place=(0, 0, 0))
+    assign(item, clear())
+    spec = BakeSpec(layout=Layout.LAYERED, texels=24, unwrap=Unwrap.BLENDER)
+    found = bake_object(scene, item.name, spec, tmp_path)
+    through = json.loads(found.files.sidecar.read_text(encoding="utf-8"))["layered"]["through"]
+    assert through["field"]["ior"] == 1.5
+    assert through["field"]["all_around"] in (0, 1)

@@ -142,7 +142,7 @@ def fit_through(
 ) -> Through:
     """The ways by cells, or through the object's field if light samples say that these show more.
 
-    Through the field alone, or with light from all around on the ways that are not followed. All are judged by
+    Through the field alone, or with light from all around on ways that are not followed. All are judged by
     what is left when a rest was fitted to half of the samples, in the others.
     """
     none = np.zeros((1, 1, 1, 1, 3), dtype=np.float32)
