@@ -107,7 +107,7 @@ fn radtex_bend(way: RadtexWay, ahead: vec3f, cosine: f32) -> f32 {
     along *= inverseSqrt(max(dot(along, along), 1e-12));
     var beside = radtex_field(clamp(way.place + along, vec3f(0.0, 0.0, 0.0), radtex_exit.field_size.xyz - 1.0)).xyz;
     beside *= way.side * inverseSqrt(max(dot(beside, beside), 1e-12));
-    return clamp(dot(beside - ahead, along), -1.0, 1.0);
+    return clamp(dot(beside - ahead, along), -0.25, 0.25);
 }
 
 // What of a ray is reflected, or else refracted, by a surface with the unit normal `ahead` on its far side.

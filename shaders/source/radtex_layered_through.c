@@ -192,7 +192,7 @@ float radtex_bend(RadtexWay way, vec3 ahead, float cosine) {
     along *= inversesqrt(max(dot(along, along), 1e-12));
     vec3 beside = radtex_field(clamp(way.place + along, vec3(0.0, 0.0, 0.0), radtex_field_size.xyz - 1.0)).xyz;
     beside *= way.side * inversesqrt(max(dot(beside, beside), 1e-12));
-    return clamp(dot(beside - ahead, along), -1.0, 1.0);
+    return clamp(dot(beside - ahead, along), -0.25, 0.25);
 }
 
 // What of a ray is reflected, or else refracted, by a surface with the unit normal `ahead` on its far side.

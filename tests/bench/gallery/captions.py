@@ -54,9 +54,9 @@ CAPTIONS = {
         "An egg of frosted glass before an orange ball; the bubble in it mirrors what comes at a slant "
         "(total internal reflection).",
         "The ball is bent around the bubble, which keeps it out of its rim, and its second, small image in "
-        "the bubble is there. It is grainy, for two paths in a cell hardly tell where frosted glass sends "
-        "light; the bubble's rim is ragged, as its cells are. Buckets of 16 x 16 cells are better here: "
-        "soft, but without grain.",
+        "the bubble is there, all as soft as frosted glass makes them. The bubble's rim is a little too "
+        "sharp, and its inside lacks the tint of two more surfaces: seen from above, where there is little "
+        "else, buckets of 16 x 16 cells are nearer.",
     ),
     "alpha": Caption(
         "Transparency",

@@ -29,6 +29,7 @@ TOWARDS = 0.05  # cosine between a ray and the normal of a surface that it meets
 STEEP = 0.2  # cosine: what a distance is divided by, at least, to know where along the ray the surface is
 FAN = 0.2  # cosine that tells how a surface fans a beam out, at least
 BESIDE = 1.0  # steps along a surface in which its normal tells how round it is
+ROUNDEST = 0.25  # by how much a normal turns a step along the surface, at most: what turns more is an edge
 TAILS = 1.4  # what beams' width² is multiplied by, as lobes with tails add up to more
 FARTHEST = 64  # steps, by which beams are narrowest before where they leave
 ALL_AROUND = 0.5  # width² of what is seen on ways that are not followed
@@ -274,15 +275,15 @@ def _bend(field: DistanceField, rays: _Rays, ahead: Floats, towards: Floats) -> 
     last = np.array(field.facts.size, dtype=np.float32) - 1
     beside = field.at(np.clip(rays.place + np.float32(BESIDE) * along, 0, last))[:, :3]
     turn = _unit(beside) * np.where(rays.inside, np.float32(1), np.float32(-1))[:, None] - ahead
-    return cast(Floats, np.clip((turn * along).sum(axis=1) / np.float32(BESIDE), -1, 1))
-
-
-# How surfaces fan beams out, in the plane of incidence and across it, (4, 2, N): what they multiply
-# differences of directions by, and of places; what normals' turns count for in directions; and how far
-# apart along the surface rays meet it that are one step apart.
+    return cast(Floats, np.clip((turn * along).sum(axis=1) / np.float32(BESIDE), -ROUNDEST, ROUNDEST))
 
 
 def _refracting(cosine: Floats, beyond: Floats, index: Floats) -> Floats:
+    """How surfaces that refract fan beams out, in the plane of incidence and across it: (4, 2, N).
+
+    What they multiply differences of directions by, and of places; what normals' turns count for in
+    directions; and how far apart along the surface rays meet it that are one step apart.
+    """
     cosine, beyond = (np.maximum(each, np.float32(FAN)) for each in (cosine, beyond))
     ratio, one = 1 / index, np.ones_like(cosine)
     steeper = ratio * cosine / beyond
@@ -292,6 +293,7 @@ def _refracting(cosine: Floats, beyond: Floats, index: Floats) -> Floats:
 
 
 def _mirroring(cosine: Floats) -> Floats:
+    """The same of surfaces that mirror, of directions behind the mirror."""
     cosine = np.maximum(cosine, np.float32(FAN))
     one = np.ones_like(cosine)
     return np.array([[one, one], [one, one], [-2 * one, -2 * cosine], [1 / cosine, one]])
