@@ -94,11 +94,15 @@ fn radtex_fan_out(beam: vec3f, cosine: f32, beyond: f32, index: f32, bend: f32, 
     let before = max(cosine, 0.2);
     let after = max(beyond, 0.2);
     let steeper = before / (index * after);
+    var fanned: vec3f;
     if back {
-        return radtex_fanned(beam, 1.0, 1.0, -2.0, bend / before) + radtex_fanned(beam, 1.0, 1.0, -2.0 * before, bend);
+        fanned = radtex_fanned(beam, 1.0, 1.0, -2.0, bend / before)
+            + radtex_fanned(beam, 1.0, 1.0, -2.0 * before, bend);
+    } else {
+        fanned = radtex_fanned(beam, steeper, after / before, 1.0 - steeper, bend / before)
+            + radtex_fanned(beam, 1.0 / index, 1.0, after - before / index, bend);
     }
-    let in_plane = radtex_fanned(beam, steeper, after / before, 1.0 - steeper, bend / before);
-    return in_plane + radtex_fanned(beam, 1.0 / index, 1.0, after - before / index, bend);
+    return fanned * (4.0 / max(fanned.x, 4.0));
 }
 
 // By how much the unit normal `ahead` of where a ray is turns, a step further along the surface.

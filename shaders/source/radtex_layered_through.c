@@ -179,11 +179,14 @@ vec3 radtex_fanned(vec3 beam, float direction, float place, float turn, float be
 // A beam that is reflected, or else refracted, by a surface whose normal bends so much a step.
 vec3 radtex_fan_out(vec3 beam, float cosine, float beyond, float index, float bend, bool back) {
     float before = max(cosine, 0.2), after = max(beyond, 0.2), steeper = before / (index * after);
+    vec3 fanned;
     if (back) {
-        return radtex_fanned(beam, 1.0, 1.0, -2.0, bend / before) + radtex_fanned(beam, 1.0, 1.0, -2.0 * before, bend);
+        fanned = radtex_fanned(beam, 1.0, 1.0, -2.0, bend / before) + radtex_fanned(beam, 1.0, 1.0, -2.0 * before, bend);
+    } else {
+        fanned = radtex_fanned(beam, steeper, after / before, 1.0 - steeper, bend / before)
+            + radtex_fanned(beam, 1.0 / index, 1.0, after - before / index, bend);
     }
-    vec3 in_plane = radtex_fanned(beam, steeper, after / before, 1.0 - steeper, bend / before);
-    return in_plane + radtex_fanned(beam, 1.0 / index, 1.0, after - before / index, bend);
+    return fanned * (4.0 / max(fanned.x, 4.0));
 }
 
 // By how much the unit normal `ahead` of where a ray is turns, a step further along the surface.

@@ -155,16 +155,19 @@ def test_rays_are_lost_after_too_many_reflections() -> None:
     assert not once.weight.any()
 
 
-@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
-def test_what_is_no_number_lets_nothing_through(value: float) -> None:
-    """As in a damaged file."""
-    ball, (normal, viewer) = field_of_ball((16, 16, 16)), seen(4)
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 1e30])
+@pytest.mark.parametrize("slopes", [0.0, 1e-3])
+@pytest.mark.parametrize("damaged", [slice(None), slice(3), slice(3, None)])
+def test_what_is_no_number_lets_nothing_through(value: float, slopes: float, damaged: slice) -> None:
+    """As in a damaged file, in all of it, in its normals or its distances."""
+    ball, (normal, viewer) = field_of_ball((16, 16, 16), slopes), seen(4)
     values = ball.values.copy()
-    values[6:10, 6:10, 6:10] = value
+    values[6:10, 6:10, 6:10, damaged] = value
     for way in follow(replace(ball, values=values), BALL * normal, normal, viewer):
         some = way.weight > 0
         assert np.isfinite(way.place[some]).all()
         assert np.isfinite(way.direction[some]).all()
+        assert np.isfinite(way.variance[some]).all()
 
 
 def test_a_field_comes_back_from_its_image() -> None:

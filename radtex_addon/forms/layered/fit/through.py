@@ -156,7 +156,8 @@ def fit_through(
     by_field = Through(grid_of_ways.placed(ways / dimmed[:, None]), colour, none, exits.field)
     lossless = replace(exits.field, facts=replace(exits.field.facts, all_around=1.0))
     choices = [by_cells, by_field, replace(by_field, field=lossless)]
-    return choices[int(np.argmin(_errors(choices, light, around, used, grid.part)))]
+    errors = np.nan_to_num(_errors(choices, light, around, used, grid.part), nan=np.inf)
+    return choices[int(np.argmin(errors))]
 
 
 def _dimmed(exits: ExitSamples, facts: FieldFacts) -> Floats:

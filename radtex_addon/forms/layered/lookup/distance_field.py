@@ -30,6 +30,7 @@ STEEP = 0.2  # cosine: what a distance is divided by, at least, to know where al
 FAN = 0.2  # cosine that tells how a surface fans a beam out, at least
 BESIDE = 1.0  # steps along a surface in which its normal tells how round it is
 ROUNDEST = 0.25  # by how much a normal turns a step along the surface, at most: what turns more is an edge
+WIDEST = 4.0  # of a beam, radians²
 TAILS = 1.4  # what beams' width² is multiplied by, as lobes with tails add up to more
 FARTHEST = 64  # steps, by which beams are narrowest before where they leave
 ALL_AROUND = 0.5  # width² of what is seen on ways that are not followed
@@ -176,10 +177,12 @@ def follow(field: DistanceField, offset: Floats, normal: Floats, viewer: Floats)
     for _ in range(WAYS):
         parted = rays.some(np.arange(count))
         parted.weight[:] = 0
-        with np.errstate(invalid="ignore"):  # a damaged file may hold any values
+        with np.errstate(invalid="ignore", over="ignore"):  # a damaged file may hold any values
             _march(field, rays, parted)
-        rays.weight[~np.isfinite(rays.place).all(axis=1)] = 0
-        found.append(_left(facts, rays))
+            way = _left(facts, rays)
+        numbers = np.column_stack([way.place, way.direction, way.variance])
+        way.weight[~np.isfinite(numbers).all(axis=1)] = 0
+        found.append(way)
         lost = lost - rays.weight
         rays = parted
     lost = lost * np.float32(facts.all_around)
@@ -273,7 +276,7 @@ def _bend(field: DistanceField, rays: _Rays, ahead: Floats, towards: Floats) -> 
     across = np.cross(ahead, ahead[:, [1, 2, 0]])  # in case there is no plane of incidence
     along = _unit(rays.direction - towards[:, None] * ahead + np.float32(GRAZING) * across)
     last = np.array(field.facts.size, dtype=np.float32) - 1
-    beside = field.at(np.clip(rays.place + np.float32(BESIDE) * along, 0, last))[:, :3]
+    beside = field.at(np.nan_to_num(np.clip(rays.place + np.float32(BESIDE) * along, 0, last)))[:, :3]
     turn = _unit(beside) * np.where(rays.inside, np.float32(1), np.float32(-1))[:, None] - ahead
     return cast(Floats, np.clip((turn * along).sum(axis=1) / np.float32(BESIDE), -ROUNDEST, ROUNDEST))
 
@@ -305,9 +308,11 @@ def _fan_out(facts: FieldFacts, rays: _Rays, by: Floats, bend: Floats) -> None:
     bent = turn * bend * apart
     variance, fan, spread = rays.variance, rays.fan, rays.spread
     wider = direction**2 * variance + 2 * direction * bent * fan + bent**2 * spread + turn**2 * facts.slopes
-    rays.variance[:] = np.maximum(wider.mean(axis=0), 0)
-    rays.fan[:] = (place * (direction * fan + bent * spread)).mean(axis=0)
-    rays.spread[:] = (place**2 * spread).mean(axis=0)
+    variance = np.maximum(wider.mean(axis=0), 0)
+    bounded = WIDEST / np.maximum(variance, WIDEST)
+    rays.variance[:] = bounded * variance
+    rays.fan[:] = bounded * (place * (direction * fan + bent * spread)).mean(axis=0)
+    rays.spread[:] = bounded * (place**2 * spread).mean(axis=0)
 
 
 def _fresnel(cosine: Floats, index: Floats) -> tuple[Floats, Floats]:
