@@ -179,7 +179,7 @@ float3 radtex_followed(float3 from, float3 N, float3 V) {
             outside = min(room.x, min(room.y, room.z)) < 0.0;
             going = !outside && way.weight > 0.004;
         }
-        if (way.weight > 0.004 && (outside || way.side < 0.0)) {
+        if (way.weight > (k == 2 ? 0.0 : 0.004) && (outside || way.side < 0.0)) {
             float narrowest = clamp(way.beam.y / max(way.beam.x, 1e-12), 0.0, 64.0);  // so many steps back
             float3 exit = low.xyz + (way.place - narrowest * way.ray) / low.w;
             float spread = log2(max(1.4 * way.beam.x, 1e-12));
@@ -192,7 +192,7 @@ float3 radtex_followed(float3 from, float3 N, float3 V) {
             way.ray = -V;
             way.place = (from - low.xyz) * low.w;
             way.beam = float3(0.5 / 1.4, 0.0, 0.0);
-            way.weight = lost * glass.w;
+            way.weight = lost * glass.w - 0.004;
         }
     }
     return light;

@@ -178,7 +178,7 @@ fn radtex_followed(whence: vec3f, N: vec3f, V: vec3f) -> vec3f {
             outside = min(room.x, min(room.y, room.z)) < 0.0;
             going = !outside && way.weight > 0.004;
         }
-        if way.weight > 0.004 && (outside || way.side < 0.0) {
+        if way.weight > select(0.004, 0.0, k == 2) && (outside || way.side < 0.0) {
             let narrowest = clamp(way.beam.y / max(way.beam.x, 1e-12), 0.0, 64.0);  // so many steps back
             let exit = low.xyz + (way.place - narrowest * way.ray) / low.w;
             let spread = log2(max(1.4 * way.beam.x, 1e-12));
@@ -191,7 +191,7 @@ fn radtex_followed(whence: vec3f, N: vec3f, V: vec3f) -> vec3f {
             way.ray = -V;
             way.place = (whence - low.xyz) * low.w;
             way.beam = vec3f(0.5 / 1.4, 0.0, 0.0);
-            way.weight = lost * glass.w;
+            way.weight = lost * glass.w - 0.004;
         }
     }
     return light;

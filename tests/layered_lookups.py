@@ -187,7 +187,7 @@ def glass_ball(atlas: LayeredAtlas) -> LayeredAtlas:
     """With a ball of frosted glass, through which rays are followed."""
     whole = everything(atlas)
     assert whole.through is not None
-    return replace(whole, through=replace(whole.through, field=field_of_ball((24, 25, 26), 1e-3)))
+    return replace(whole, through=replace(whole.through, field=field_of_ball((24, 25, 26), 1e-2)))
 
 
 def parted(atlas: LayeredAtlas) -> LayeredAtlas:

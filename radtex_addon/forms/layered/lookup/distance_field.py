@@ -185,8 +185,7 @@ def follow(field: DistanceField, offset: Floats, normal: Floats, viewer: Floats)
         found.append(way)
         lost = lost - rays.weight
         rays = parted
-    lost = lost * np.float32(facts.all_around)
-    lost[lost <= FAINT] = 0
+    lost = np.maximum(lost * np.float32(facts.all_around) - np.float32(FAINT), 0)
     return [*found, Ways(lost, offset, -viewer, np.full(count, ALL_AROUND, dtype=np.float32))]
 
 
