@@ -15,6 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 
@@ -250,9 +251,9 @@ class _Fit:
             weight = brightness_weight(judge[:, some].astype(np.float32), self.level)
             judged = weight * (self.used[some] & ~half[some])
             of_texels = (judged * np.tensordot(LUMINANCE, off * off, axes=1)).sum(axis=1, dtype=np.float64)
-            return np.bincount(material[some], of_texels, minlength=count)
+            return cast(Floats, np.bincount(material[some], of_texels, minlength=count))
 
-        return np.sum(grid.in_blocks(squares, self.used.shape[1]), axis=0)
+        return sum(grid.in_blocks(squares, self.used.shape[1]), np.zeros(count))
 
 
 def _for_each(values: Floats, times: int) -> Floats:
