@@ -91,7 +91,13 @@ def test_a_plate_moves_rays_aside_and_widens_them() -> None:
     offset = np.array([[0, 0, 0.5]] * 2, dtype=np.float32)
     chief, once, _ = follow(plate(FACTS), offset, np.array([[0, 0, 1.0]] * 2, np.float32), viewer)
     assert chief.direction == pytest.approx(-viewer, abs=1e-5)
-    assert chief.variance[1] == pytest.approx(TAILS * 0.5e-3)
+    before = viewer[:, 2]
+    within = np.sqrt(1 - (1 - before**2) / 2.25)
+    steeper, turn = 1.5 * within / before, before - 1.5 * within  # in the plane of incidence, and across it
+    entered = ((1 - 1 / steeper) ** 2 + (turn / 1.5) ** 2) / 2
+    left = ((steeper**2 + 2.25) * entered + (1 - steeper) ** 2 + turn**2) / 2
+    assert left[1] == pytest.approx(0.5)
+    assert chief.variance == pytest.approx(TAILS * 1e-3 * left, rel=1e-3)
     inner = normalised(np.append(-viewer[0, :2] / 1.5, -np.sqrt(1 - (viewer[0, :2] ** 2).sum() / 2.25)))
     below = offset[0] + inner / -inner[2]
     back = chief.place[0] - chief.direction[0] * ((chief.place[0, 2] + 0.5) / chief.direction[0, 2])

@@ -187,8 +187,8 @@ def test_a_damaged_sidecar_is_refused(
     [
         ("size", [24.5, 25, 26], '"size" is not of 2 to 512'),
         ("size", [24, 25, 600], '"size" is not of 2 to 512'),
-        ("ior", 1.0, '"ior" not above 1'),
-        ("ior", 1e39, '"ior" not above 1'),
+        ("ior", 1.0, '"ior" is not above 1'),
+        ("ior", 1e39, '"ior" is not above 1'),
         ("slopes", -1e-3, '"slopes" is below 0'),
         ("all_around", 1.5, '"all_around" is 1.5'),
         ("step", 1e-320, '"step" is'),

@@ -443,8 +443,10 @@ def _field_in(facts: Facts) -> FieldFacts:
     width, height, depth = map(round, sides)
     slopes, all_around = facts.number("slopes"), facts.number("all_around")
     ior, step = facts.positive("ior"), facts.positive("step")
-    if slopes < 0 or not 1 < ior <= _DENSEST:
-        raise FormatError(f'{facts.source}: "slopes" is below 0, or "ior" not above 1 and up to {_DENSEST}')
+    if not 1 < ior <= _DENSEST:
+        raise FormatError(f'{facts.source}: "ior" is not above 1 and up to {_DENSEST}')
+    if slopes < 0:
+        raise FormatError(f'{facts.source}: "slopes" is below 0')
     if not 0 <= all_around <= 1:
         raise FormatError(f'{facts.source}: "all_around" is {all_around}, which is not between 0 and 1')
     if step < np.finfo(np.float32).tiny:
