@@ -24,7 +24,6 @@ from ....bake.light_samples import LightSamples, LobeSamples
 from ....core import large_arrays
 from ....core.arrays import Bools, Floats
 from ....core.atlas import AtlasLayout
-from ....core.colour_spaces import LUMINANCE
 from ....settings.rays import coarser
 from ..cells import CELLS, CLEAR, HOLLOW, Cells
 from ..lookup.atlas import lobes_light
@@ -33,7 +32,7 @@ from ..samples import OwnRays
 from .bucket_grid import Block, BucketGrid
 from .known import Known
 from .own_light import OwnLight, Surface, own_light
-from .residual import BRIGHTEST, brightness_weight, fit_rest, mean_brightness
+from .residual import fit_rest, mean_brightness, weighted_squares
 from .rows import Places, halved, random_half
 from .turned import mirrored_about, octahedral
 
@@ -240,17 +239,14 @@ class _Fit:
         """
         grid, light = self.rest_grid(part, cells), self.light.mirrored
         material, count = self.surface.material, len(self.surface.materials)
-        most = np.float32(BRIGHTEST * self.level)
         fitted = large_arrays.from_blocks(len(half), lambda some: self.used[some] & half[some], _ROWS)
         rest = self.rest(grid, shown, fitted, cells.rest)
 
         def squares(block: Block) -> Floats:
             some = block.texels
             told = shown[:, some] + grid.gather(rest, self.place[some], some)
-            off = np.minimum(planes(light[some]), most) - np.minimum(told, most)
-            weight = brightness_weight(judge[:, some].astype(np.float32), self.level)
-            judged = weight * (self.used[some] & ~half[some])
-            of_texels = (judged * np.tensordot(LUMINANCE, off * off, axes=1)).sum(axis=1, dtype=np.float64)
+            counted = self.used[some] & ~half[some]
+            of_texels = weighted_squares(light[some], told, judge[:, some], counted, self.level)
             return cast(Floats, np.bincount(material[some], of_texels, minlength=count))
 
         return sum(grid.in_blocks(squares, self.used.shape[1]), np.zeros(count))

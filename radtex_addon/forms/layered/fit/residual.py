@@ -136,6 +136,19 @@ def mean_brightness(light: Floats, used: Bools) -> np.float32:
     return np.float32(max(total / count, 1e-6) if count else 0)
 
 
+def weighted_squares(light: Floats, told: Floats, judge: Floats, counted: Bools, level: np.float32) -> Floats:
+    """The weighted squares of errors of N texels, (N,) float64, over samples that are `counted` (N, S).
+
+    Of what is `told` (3, N, S) of their `light` (N, S, 3), neither above some brightness. Weights are by what
+    `judge` (3, N, S) shows; `level`: the mean brightness of all.
+    """
+    most = np.float32(BRIGHTEST * level)
+    off = np.minimum(planes(light), most) - np.minimum(told, most)
+    weight = brightness_weight(judge.astype(np.float32), level) * counted
+    found: Floats = (weight * np.tensordot(LUMINANCE, off * off, axes=1)).sum(axis=1, dtype=np.float64)
+    return found
+
+
 def brightness_weight(shown: Floats, level: np.float32) -> Floats:
     """What errors count for where so much light (3, ...) is shown, if its mean brightness is `level`."""
     bright = np.maximum(np.tensordot(LUMINANCE, shown, axes=1), 0)

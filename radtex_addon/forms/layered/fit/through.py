@@ -19,7 +19,6 @@ from ....bake.light_samples import Axis, EndSamples, LightSamples, LobeSamples, 
 from ....bake.pooling import Neighbours
 from ....core import large_arrays
 from ....core.arrays import Bools, Floats
-from ....core.colour_spaces import LUMINANCE
 from ....core.hemisphere import cell_centres, square_to_direction
 from ..cells import THROUGH_CELLS
 from ..lookup.distance_field import FieldFacts, reflected
@@ -27,7 +26,7 @@ from ..lookup.environment import Around
 from ..lookup.ways import CHANNELS, Through, look_through
 from ..samples import ExitSamples
 from .bucket_grid import Block, BucketGrid
-from .residual import BRIGHTEST, brightness_weight, fit_rest, mean_brightness
+from .residual import fit_rest, mean_brightness, weighted_squares
 from .rows import Places, halved, random_half
 from .texel_maps import texel_middles
 
@@ -179,7 +178,6 @@ def _errors(
     """
     half = random_half(used.shape, _SEED)
     level = mean_brightness(light.through, used)
-    most = np.float32(BRIGHTEST * level)
     seen = [_shown(each, light, around, grid) for each in choices]
     fitted = large_arrays.from_blocks(len(half), lambda some: used[some] & half[some], _ROWS)
 
@@ -188,11 +186,10 @@ def _errors(
 
         def squares(block: Block) -> float:
             some = block.texels
-            told = np.minimum(shown[:, some] + grid.gather(rest, place[some], some), most)
-            off = np.minimum(planes(light.through[some]), most) - told
+            told = shown[:, some] + grid.gather(rest, place[some], some)
             judge = np.mean([one[:, some] for _, one in seen], axis=0, dtype=np.float32)
-            weight = brightness_weight(judge, level) * (used[some] & ~half[some])
-            return float((weight * np.tensordot(LUMINANCE, off * off, axes=1)).sum(dtype=np.float64))
+            counted = used[some] & ~half[some]
+            return float(weighted_squares(light.through[some], told, judge, counted, level).sum())
 
         return sum(grid.in_blocks(squares, used.shape[1]))
 
