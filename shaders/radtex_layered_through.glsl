@@ -20,7 +20,7 @@
 #ifndef RADTEX_DECLARED
 #ifdef RADTEX_FIELD
 uniform sampler2D radtex_field_map;  // 16-bit floats
-uniform vec4 radtex_field_range, radtex_field_low, radtex_field_size, radtex_field_glass;
+uniform vec4 radtex_field_range, radtex_field_low, radtex_field_size, radtex_field_glass, radtex_field_tint;
 #else
 uniform sampler2D radtex_exit_direction_map, radtex_exit_place_map;
 uniform vec4 radtex_exit_direction_range, radtex_exit_place_range, radtex_exit_tile;
@@ -45,7 +45,8 @@ vec4 radtex_field(vec3 at) {
 }
 
 // A ray through the object: where it is, in steps of the field; `side`: 1 inside, -1 outside; how often it was reflected.
-// Of rough glass it is a `beam`: variances of its directions, and of its places across it, in z; in y, how both go together.
+// `tints`: how many surfaces tinted it, beyond the two by which light comes in and goes out. Of rough glass it is a `beam`:
+// variances of its directions, and of its places across it, in z; in y, how both go together.
 struct RadtexWay {
     vec3 place;
     vec3 ray;
@@ -53,6 +54,7 @@ struct RadtexWay {
     float weight;
     float side;
     float reflections;
+    float tints;
 };
 
 // The cosine behind a surface, of an index of refraction over that before it; 0 if all is reflected.
@@ -114,6 +116,7 @@ RadtexWay radtex_turned(RadtexWay way, vec3 ahead, float cosine, float index, fl
     turned.weight = way.weight * (back ? reflected : 1.0 - reflected);
     turned.side = back ? way.side : -way.side;
     turned.reflections = way.reflections + (back ? 1.0 : 0.0);
+    turned.tints = way.tints + (back ? radtex_field_tint.w : 1.0);
     turned.place = way.place + 1.5 * turned.ray;
     if (glass.y > 0.0) {
         turned.beam = radtex_advanced(radtex_fan_out(way.beam, cosine, beyond, index, bend, back), 1.5);
@@ -122,8 +125,9 @@ RadtexWay radtex_turned(RadtexWay way, vec3 ahead, float cosine, float index, fl
     return turned;
 }
 
-// What is seen of the surroundings through white glass. At each surface a ray goes on as most of its light does; of what
-// parts from it, the brightest is followed, too; and of what goes neither way, a share comes from all around.
+// What is seen of the surroundings, as if the surfaces by which light comes in and goes out were white. At each surface a ray
+// goes on as most of its light does; of what parts from it, the brightest is followed, too; and of what goes neither way, a
+// share comes from all around.
 vec3 radtex_followed(vec3 from, vec3 N, vec3 V) {
     vec4 glass = radtex_field_glass, low = radtex_field_low;
     vec3 last = radtex_field_size.xyz - 1.0, light = vec3(0.0, 0.0, 0.0);
@@ -136,6 +140,7 @@ vec3 radtex_followed(vec3 from, vec3 N, vec3 V) {
     way.weight = 1.0 - radtex_fresnel(cosine, beyond, glass.x);
     way.side = 1.0;
     way.reflections = 0.0;
+    way.tints = -1.0;
     float lost = way.weight;
     for (int k = 0; k < 3; k++) {
         RadtexWay parted = way;
@@ -166,14 +171,15 @@ vec3 radtex_followed(vec3 from, vec3 N, vec3 V) {
             float narrowest = clamp(way.beam.y / max(way.beam.x, 1e-12), 0.0, 64.0);  // so many steps back
             vec3 exit = low.xyz + (way.place - narrowest * way.ray) / low.w;
             float spread = log2(max(1.4 * way.beam.x, 1e-12));
-            light += way.weight
-                * radtex_shown(exit, way.ray, radtex_met(exit, way.ray), spread, vec4(0.0, 0.0, 0.0, 1e6));
+            vec3 shown = radtex_shown(exit, way.ray, radtex_met(exit, way.ray), spread, vec4(0.0, 0.0, 0.0, 1e6));
+            light += way.weight * exp2(way.tints * radtex_field_tint.xyz) * shown;
             lost -= way.weight;
         }
         way = parted;
         if (k == 1) {
             way.ray = -V;
             way.place = (from - low.xyz) * low.w;
+            way.tints = 0.0;
             way.beam = vec3(0.5 / 1.4, 0.0, 0.0);
             way.weight = lost * glass.w - 0.004;
         }

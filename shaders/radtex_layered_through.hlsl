@@ -44,6 +44,7 @@ cbuffer RadtexThrough RADTEX_BUFFER(2) {
     float4 radtex_field_low;
     float4 radtex_field_size;
     float4 radtex_field_glass;
+    float4 radtex_field_tint;
 };
 #endif
 
@@ -62,7 +63,8 @@ float4 radtex_field(float3 at) {
 }
 
 // A ray through the object: where it is, in steps of the field; `side`: 1 inside, -1 outside; how often it was reflected.
-// Of rough glass it is a `beam`: variances of its directions, and of its places across it, in z; in y, how both go together.
+// `tints`: how many surfaces tinted it, beyond the two by which light comes in and goes out. Of rough glass it is a `beam`:
+// variances of its directions, and of its places across it, in z; in y, how both go together.
 struct RadtexWay {
     float3 place;
     float3 ray;
@@ -70,6 +72,7 @@ struct RadtexWay {
     float weight;
     float side;
     float reflections;
+    float tints;
 };
 
 // The cosine behind a surface, of an index of refraction over that before it; 0 if all is reflected.
@@ -131,6 +134,7 @@ RadtexWay radtex_turned(RadtexWay way, float3 ahead, float cosine, float index, 
     turned.weight = way.weight * (back ? reflected : 1.0 - reflected);
     turned.side = back ? way.side : -way.side;
     turned.reflections = way.reflections + (back ? 1.0 : 0.0);
+    turned.tints = way.tints + (back ? radtex_field_tint.w : 1.0);
     turned.place = way.place + 1.5 * turned.ray;
     if (glass.y > 0.0) {
         turned.beam = radtex_advanced(radtex_fan_out(way.beam, cosine, beyond, index, bend, back), 1.5);
@@ -139,8 +143,9 @@ RadtexWay radtex_turned(RadtexWay way, float3 ahead, float cosine, float index, 
     return turned;
 }
 
-// What is seen of the surroundings through white glass. At each surface a ray goes on as most of its light does; of what
-// parts from it, the brightest is followed, too; and of what goes neither way, a share comes from all around.
+// What is seen of the surroundings, as if the surfaces by which light comes in and goes out were white. At each surface a ray
+// goes on as most of its light does; of what parts from it, the brightest is followed, too; and of what goes neither way, a
+// share comes from all around.
 float3 radtex_followed(float3 from, float3 N, float3 V) {
     float4 glass = radtex_field_glass, low = radtex_field_low;
     float3 last = radtex_field_size.xyz - 1.0, light = float3(0.0, 0.0, 0.0);
@@ -153,6 +158,7 @@ float3 radtex_followed(float3 from, float3 N, float3 V) {
     way.weight = 1.0 - radtex_fresnel(cosine, beyond, glass.x);
     way.side = 1.0;
     way.reflections = 0.0;
+    way.tints = -1.0;
     float lost = way.weight;
     [loop] for (int k = 0; k < 3; k++) {
         RadtexWay parted = way;
@@ -183,14 +189,15 @@ float3 radtex_followed(float3 from, float3 N, float3 V) {
             float narrowest = clamp(way.beam.y / max(way.beam.x, 1e-12), 0.0, 64.0);  // so many steps back
             float3 exit = low.xyz + (way.place - narrowest * way.ray) / low.w;
             float spread = log2(max(1.4 * way.beam.x, 1e-12));
-            light += way.weight
-                * radtex_shown(exit, way.ray, radtex_met(exit, way.ray), spread, float4(0.0, 0.0, 0.0, 1e6));
+            float3 shown = radtex_shown(exit, way.ray, radtex_met(exit, way.ray), spread, float4(0.0, 0.0, 0.0, 1e6));
+            light += way.weight * exp2(way.tints * radtex_field_tint.xyz) * shown;
             lost -= way.weight;
         }
         way = parted;
         if (k == 1) {
             way.ray = -V;
             way.place = (from - low.xyz) * low.w;
+            way.tints = 0.0;
             way.beam = float3(0.5 / 1.4, 0.0, 0.0);
             way.weight = lost * glass.w - 0.004;
         }

@@ -27,6 +27,7 @@ struct RadtexThrough {
     field_low: vec4f,
     field_size: vec4f,
     field_glass: vec4f,
+    field_tint: vec4f,
 }
 
 @group(1) @binding(15) var<uniform> radtex_exit: RadtexThrough;
@@ -53,7 +54,8 @@ fn radtex_field(at: vec3f) -> vec4f {
 }
 
 // A ray through the object: where it is, in steps of the field; `side`: 1 inside, -1 outside; how often it was reflected.
-// Of rough glass it is a `beam`: variances of its directions, and of its places across it, in z; in y, how both go together.
+// `tints`: how many surfaces tinted it, beyond the two by which light comes in and goes out. Of rough glass it is a `beam`:
+// variances of its directions, and of its places across it, in z; in y, how both go together.
 struct RadtexWay {
     place: vec3f,
     ray: vec3f,
@@ -61,6 +63,7 @@ struct RadtexWay {
     weight: f32,
     side: f32,
     reflections: f32,
+    tints: f32,
 }
 
 // The cosine behind a surface, of an index of refraction over that before it; 0 if all is reflected.
@@ -125,6 +128,7 @@ fn radtex_turned(way: RadtexWay, ahead: vec3f, cosine: f32, index: f32, bend: f3
     turned.weight = way.weight * select(1.0 - reflected, reflected, back);
     turned.side = select(-way.side, way.side, back);
     turned.reflections = way.reflections + select(0.0, 1.0, back);
+    turned.tints = way.tints + select(1.0, radtex_exit.field_tint.w, back);
     turned.place = way.place + 1.5 * turned.ray;
     if glass.y > 0.0 {
         turned.beam = radtex_advanced(radtex_fan_out(way.beam, cosine, beyond, index, bend, back), 1.5);
@@ -133,8 +137,9 @@ fn radtex_turned(way: RadtexWay, ahead: vec3f, cosine: f32, index: f32, bend: f3
     return turned;
 }
 
-// What is seen of the surroundings through white glass. At each surface a ray goes on as most of its light does; of what
-// parts from it, the brightest is followed, too; and of what goes neither way, a share comes from all around.
+// What is seen of the surroundings, as if the surfaces by which light comes in and goes out were white. At each surface a ray
+// goes on as most of its light does; of what parts from it, the brightest is followed, too; and of what goes neither way, a
+// share comes from all around.
 fn radtex_followed(whence: vec3f, N: vec3f, V: vec3f) -> vec3f {
     let glass = radtex_exit.field_glass;
     let low = radtex_exit.field_low;
@@ -150,6 +155,7 @@ fn radtex_followed(whence: vec3f, N: vec3f, V: vec3f) -> vec3f {
     way.weight = 1.0 - radtex_fresnel(cosine, beyond, glass.x);
     way.side = 1.0;
     way.reflections = 0.0;
+    way.tints = -1.0;
     var lost = way.weight;
     for (var k = 0; k < 3; k++) {
         var parted = way;
@@ -182,14 +188,15 @@ fn radtex_followed(whence: vec3f, N: vec3f, V: vec3f) -> vec3f {
             let narrowest = clamp(way.beam.y / max(way.beam.x, 1e-12), 0.0, 64.0);  // so many steps back
             let exit = low.xyz + (way.place - narrowest * way.ray) / low.w;
             let spread = log2(max(1.4 * way.beam.x, 1e-12));
-            light += way.weight
-                * radtex_shown(exit, way.ray, radtex_met(exit, way.ray), spread, vec4f(0.0, 0.0, 0.0, 1e6));
+            let shown = radtex_shown(exit, way.ray, radtex_met(exit, way.ray), spread, vec4f(0.0, 0.0, 0.0, 1e6));
+            light += way.weight * exp2(way.tints * radtex_exit.field_tint.xyz) * shown;
             lost -= way.weight;
         }
         way = parted;
         if k == 1 {
             way.ray = -V;
             way.place = (whence - low.xyz) * low.w;
+            way.tints = 0.0;
             way.beam = vec3f(0.5 / 1.4, 0.0, 0.0);
             way.weight = lost * glass.w - 0.004;
         }

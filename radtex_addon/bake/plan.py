@@ -121,6 +121,12 @@ class CapturePlan:
         """The texels' normals, without the padding: (K, 3)."""
         return self.normal.reshape(-1, 3)[: len(self.texel)]
 
+    @property
+    def frames(self) -> Floats:
+        """The texels' tangents, bitangents and normals, without the padding: (K, 3, 3)."""
+        axes = (self.tangent, self.bitangent, self.normal)
+        return np.stack([axis.reshape(-1, 3)[: len(self.texel)] for axis in axes], axis=1)
+
     @cached_property
     def covered(self) -> Bools:
         """Where the plan's texels lie: (H, W)."""

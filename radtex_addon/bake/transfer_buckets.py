@@ -102,9 +102,7 @@ def fit_buckets(plan: CapturePlan, light: Floats, cells: int) -> Generator[Progr
     count, side = light.shape[1], _FINER * cells
     between = _between_suns(len(light), side) @ _common(light)
     fit = _Fit.of(cells)
-    frame = np.stack(
-        [field.reshape(-1, 3)[:count] for field in (plan.tangent, plan.bitangent, plan.normal)], axis=1
-    )
+    frame = plan.frames
     buckets = np.empty((count, cells**2, 3), dtype=np.float32)
     step = max(1, _CHUNK_VALUES // (3 * side**2))
     for first in range(0, count, step):

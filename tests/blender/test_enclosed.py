@@ -18,6 +18,7 @@ from radtex_addon.bake.pooling import Neighbours
 from radtex_addon.bake.progress import finished
 from radtex_addon.core.hemisphere import cell_centres, square_to_direction
 from radtex_addon.cycles.path_ends import Body
+from radtex_addon.formats.containers.exr import read_whole
 from radtex_addon.forms.layered.capture.clear_shape import find_distance_field
 from radtex_addon.forms.layered.capture.enclosed import enclosed
 from radtex_addon.forms.layered.capture.exits import capture_exits
@@ -173,8 +174,8 @@ def ball(radius: float, flipped: bool = False, place: tuple[float, float, float]
     return item
 
 
-def clear(ior: float = 1.5, **inputs: float) -> bpy.types.Material:
-    return principled("Glass", (1, 1, 1), Transmission_Weight=1.0, IOR=ior, **{"Roughness": 0.2, **inputs})
+def clear(ior: float = 1.5, colour: tuple[float, float, float] = (1, 1, 1)) -> bpy.types.Material:
+    return principled("Glass", colour, Transmission_Weight=1.0, IOR=ior, Roughness=0.2)
 
 
 @pytest.mark.one_blender
@@ -225,6 +226,34 @@ def test_what_is_in_a_bubble_is_outside() -> None:
 
 
 @pytest.mark.one_blender
+def test_a_field_knows_how_surfaces_tint_light() -> None:
+    """Of all glass by its colour, of several colours or a textured one by none."""
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    item, red = ball(1.0), clear()
+    tree: Any = red.node_tree
+    colour = tree.nodes["Principled BSDF"].inputs["Base Color"]
+    colour.default_value = (0.81, 0.25, 1.0, 1.0)
+
+    def tint_of(*items: tuple[Any, bpy.types.Material]) -> tuple[list[float], bool]:
+        field = field_of(*items)
+        assert field is not None
+        return np.round(field.facts.tint, 4).tolist(), field.facts.tints_reflections
+
+    assert tint_of((item, red)) == ([0.9, 0.5, 1.0], False)
+    assert tint_of((item, red), (ball(0.3, flipped=True), clear()))[0] == [1.0, 1.0, 1.0]
+    single = tree.nodes.new("ShaderNodeRGB")
+    single.outputs[0].default_value = (0.64, 1.0, 0.25, 1.0)
+    tree.links.new(single.outputs[0], colour)
+    assert tint_of((item, red)) == ([0.8, 1.0, 0.5], False)
+    tree.links.new(tree.nodes.new("ShaderNodeTexChecker").outputs[0], colour)
+    assert tint_of((item, red))[0] == [1.0, 1.0, 1.0]
+    shader = tree.nodes.new("ShaderNodeBsdfGlass")
+    shader.inputs["Color"].default_value = (0.5, 0.75, 1.0, 1.0)
+    tree.links.new(shader.outputs[0], tree.get_output_node("CYCLES").inputs["Surface"])
+    assert tint_of((item, red)) == ([0.5, 0.75, 1.0], True)
+
+
+@pytest.mark.one_blender
 @pytest.mark.parametrize(
     "case", ["open", "inside out", "two kinds", "opaque in part", "a normal map", "roughness from an image"]
 )
@@ -254,9 +283,15 @@ def test_a_bake_of_closed_glass_follows_rays_through_its_field(tmp_path: Path) -
     build.node("ShaderNodeOutputWorld", build.node("ShaderNodeBackground", (0.5, 0.5, 0.5, 1)).outputs[0])
     assign(ball(0.5, place=(0, 2, 0)), principled("Orange", (0.8, 0.3, 0.1)))
     item = ball(1.0, place=(0, 0, 0))
-    assign(item, clear())
+    assign(item, clear(colour=(0.9, 0.6, 0.3)))
     spec = BakeSpec(layout=Layout.LAYERED, texels=24, unwrap=Unwrap.BLENDER)
     found = bake_object(scene, item.name, spec, tmp_path)
     through = json.loads(found.files.sidecar.read_text(encoding="utf-8"))["layered"]["through"]
     assert through["field"]["ior"] == 1.5
     assert through["field"]["all_around"] in (0, 1)
+    assert through["field"]["tint"] == pytest.approx(np.sqrt([0.9, 0.6, 0.3]))
+    colour = read_whole(tmp_path / f"{item.name}.radiance.through_colour.exr")[0]
+    assert colour / colour[..., :1] == pytest.approx(
+        np.broadcast_to([1, 2 / 3, 1 / 3], colour.shape), rel=2e-3
+    )
+    assert 0.75 < float(np.median(colour[..., 0])) <= 0.9  # of both its ends; rough glass swallows some

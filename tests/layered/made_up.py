@@ -103,7 +103,7 @@ def field_of_ball(size: tuple[int, int, int], slopes: float = 0.0) -> DistanceFi
     place = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).transpose(2, 1, 0, 3)
     away = np.linalg.norm(place, axis=-1, keepdims=True)
     values = np.concatenate([place / np.maximum(away, 1e-9), (away - BALL) / step], axis=-1)
-    facts = FieldFacts(size, low, float(np.float32(step)), 1.45, slopes, 4, all_around=0.75)
+    facts = FieldFacts(size, low, float(np.float32(step)), 1.45, slopes, 4, 0.75, (0.8, 0.9, 1.0), True)
     return DistanceField(np.ascontiguousarray(values, dtype=np.float32), facts)
 
 

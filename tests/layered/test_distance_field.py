@@ -11,6 +11,7 @@ import pytest
 
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.frame import normalised
+from radtex_addon.forms.layered.capture.panoramas import panorama_directions
 from radtex_addon.forms.layered.files.arrangement import field_beside, layers_beside
 from radtex_addon.forms.layered.lookup.distance_field import (
     FAINT,
@@ -22,6 +23,8 @@ from radtex_addon.forms.layered.lookup.distance_field import (
     image_size,
     reflected,
 )
+from radtex_addon.forms.layered.lookup.environment import Around, Pictures
+from radtex_addon.forms.layered.lookup.ways import shown_through
 from tests.layered.made_up import BALL, field_of_ball
 
 COUNT = 400
@@ -72,6 +75,24 @@ def test_the_second_way_is_reflected_once_within() -> None:
     deflection = np.cos(np.pi + 2 * first - 4 * second)  # of a rainbow's ray
     found = (-viewer * second_way.direction).sum(axis=1)
     assert found[bright] == pytest.approx(deflection[bright], abs=0.05)
+
+
+@pytest.mark.parametrize("mirrors", [False, True])
+def test_surfaces_beyond_the_first_two_tint_light(mirrors: bool) -> None:
+    """A ray that is reflected within a ball meets three surfaces, of which mirrors may be white."""
+    normal, viewer = seen(3)
+    ball, tint = field_of_ball((48, 48, 48)), np.array([0.5, 0.75, 1.0])
+    facts = replace(ball.facts, tint=tuple(tint.tolist()), tints_reflections=mirrors)
+    field = replace(ball, facts=facts)
+    chief, once, around = follow(field, BALL * normal, normal, viewer)
+    assert set(chief.tints) == {0}
+    assert set(once.tints[once.weight > 0]) == {int(mirrors)}
+    direction = panorama_directions(32)
+    white = Pictures.of(direction, np.ones_like(direction), 16)
+    sky = Around(np.zeros(3, np.float32), white, (), ())
+    shown = shown_through(field, sky, BALL * normal, normal, viewer)
+    even = (chief.weight + around.weight) + tint[:, None] ** int(mirrors) * once.weight
+    assert shown == pytest.approx(even, abs=1e-3)
 
 
 def plate(facts: FieldFacts) -> DistanceField:

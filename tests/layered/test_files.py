@@ -193,6 +193,9 @@ def test_a_damaged_sidecar_is_refused(
         ("all_around", 1.5, '"all_around" is 1.5'),
         ("step", 1e-320, '"step" is'),
         ("reflections", -1, '"reflections" is -1'),
+        ("tint", [0, 1, 1], '"tint" has parts that are not above 0'),
+        ("tint", [0.5, 1.5, 1], '"tint" has parts that are not above 0'),
+        ("tints_reflections", 1, '"tints_reflections" is 1, expected true or false'),
         ("low", [0, 1e39, 0], "beyond the range of single floats"),
     ],
 )

@@ -128,6 +128,7 @@ THROUGH_BUFFER = {
     "radtex_field_low": 1,
     "radtex_field_size": 1,
     "radtex_field_glass": 1,
+    "radtex_field_tint": 1,
 }
 
 DEFAULT = LookupCost()
@@ -310,6 +311,7 @@ def _field_values(sidecar: LayeredSidecar) -> Values:
         "radtex_field_low": _row([*field.low, 1 / field.step]),
         "radtex_field_size": _row([*field.size, columns_of(field.size)]),
         "radtex_field_glass": _row([field.ior, field.slopes, field.reflections, field.all_around]),
+        "radtex_field_tint": _row([*np.log2(field.tint), field.tints_reflections]),
     }
 
 

@@ -130,6 +130,20 @@ def value_at(socket: Any, groups: Groups) -> float | None:
     return None
 
 
+def colour_at(socket: Any, groups: Groups) -> tuple[float, float, float] | None:
+    """The colour at an input `socket`, linear; None if nodes compute it in a way not known here."""
+    found = source_of(socket, groups)
+    if found is None:
+        value = None if socket.is_linked else socket.default_value
+    else:
+        node, output, _ = found  # a group's is an unlinked input
+        value = output.default_value if node.type in ("RGB", "GROUP") and output.type == "RGBA" else None
+    if value is None:
+        return None
+    red, green, blue = list(value)[:3]
+    return red, green, blue
+
+
 def source_of(socket: Any, groups: Groups) -> tuple[Any, Any, Groups] | None:
     """The node and output that feed an input, followed through reroutes, muted nodes and groups; or None.
 

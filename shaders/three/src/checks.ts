@@ -45,7 +45,7 @@ const VECTORS = new Set([
     (name) => `radtex_${name}`,
   ),
   ...["things_levels", "distances_size", "plane_place", "plane_eye", "things_eye"].map((name) => `radtex_${name}`),
-  ...["field_low", "field_size", "field_glass"].map((name) => `radtex_${name}`),
+  ...["field_low", "field_size", "field_glass", "field_tint"].map((name) => `radtex_${name}`),
 ]);
 const COUNTED = new Map([
   ["radtex_lamp_place", "RADTEX_LAMPS"],

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any, cast
 
 import bpy
@@ -14,7 +15,7 @@ from mathutils.bvhtree import BVHTree
 
 from ....core.arrays import Bools, Floats, Ints
 from ....cycles.path_ends import Body
-from ....scene.checks.see_through import value_at
+from ....scene.checks.see_through import colour_at, value_at
 from ....scene.mesh.joined import values_in
 from ....scene.mesh.panes import glass_in
 from ....scene.mesh.triangle_tree import triangle_tree
@@ -28,7 +29,8 @@ _OUTWARDS = 0.98  # share of the samples beside the surface that its normals poi
 _BESIDE = 1.0  # steps
 _ON = 1e-4  # steps: behind a surface that was met
 _APART = np.array([0.31, 0.53, 0.71]) * 1e-3  # steps: so that rays meet no edge of an even mesh
-_ALIKE = 1e-3  # of an index of refraction, and of a roughness
+_ALIKE = 1e-3  # of an index of refraction, a roughness, and a colour
+_DARKEST = 1e-3  # part of a colour
 
 
 def find_distance_field(
@@ -41,7 +43,6 @@ def find_distance_field(
     glass = _glass_of(bodies)
     if glass is None:
         return None
-    ior, roughness = glass
     corners, normals = (np.concatenate(parts) for parts in zip(*map(_surface, bodies), strict=True))
     centre, step, axes = _axes(corners.reshape(-1, 3))
     corners = (corners - centre) / step  # in steps, about the middle: single floats tell little else
@@ -66,25 +67,49 @@ def find_distance_field(
         size=cast("tuple[int, int, int]", tuple(map(len, axes))),
         low=(centre - middle + step * np.array([axis[0] for axis in axes])).astype(np.float32),
         step=float(np.float32(step)),
-        ior=float(np.float32(ior)),
-        slopes=float(width_of(np.array(roughness))) / 4 if roughness else 0.0,  # mirrors double slopes
+        ior=float(np.float32(glass.ior)),
+        slopes=float(width_of(np.array(glass.roughness))) / 4 if glass.roughness else 0.0,  # mirrors: twice
         reflections=min(bounces, int(cast(Any, scene).cycles.max_bounces)),
+        tint=glass.tint,
+        tints_reflections=glass.tints_reflections,
     )
     return DistanceField(np.ascontiguousarray(values.transpose(2, 1, 0, 3), dtype=np.float32), facts)
 
 
-def _glass_of(bodies: Sequence[Body]) -> tuple[float, float] | None:
-    """The index of refraction and the roughness of all that bodies show; None if that is not one glass."""
-    found: list[tuple[float, float]] = []
+@dataclass(frozen=True, order=True)
+class _Glass:
+    """What glass is of; as in `FieldFacts`."""
+
+    ior: float
+    roughness: float
+    tint: tuple[float, float, float]
+    tints_reflections: bool
+
+
+def _glass_of(bodies: Sequence[Body]) -> _Glass | None:
+    """All that bodies show; None if that is not one glass. Where it has several colours, it has no tint."""
+    found: list[_Glass] = []
     for material in set[bpy.types.Material | None]().union(*(body.shown_materials for body in bodies)):
         glass = None if material is None else glass_in(material, 1.0)
         if glass is None:
             return None
-        values = [value_at(glass.inputs[name], ()) for name in ("IOR", "Roughness")]
-        found.append((float(values[0]), float(values[1])))  # type: ignore[arg-type]  # `glass_in` knows them
-    if not found or np.ptp(np.array(found), axis=0).max() > _ALIKE or min(found)[0] < 1 + _ALIKE:
+        found.append(_read_glass(glass))
+    if not found or min(found).ior < 1 + _ALIKE:
         return None
-    return min(found)
+    first, *others = sorted(found)
+    if any(max(abs(one.ior - first.ior), abs(one.roughness - first.roughness)) > _ALIKE for one in others):
+        return None
+    colours = np.array([[*one.tint, one.tints_reflections] for one in found])
+    return first if np.ptp(colours, axis=0).max() < _ALIKE else replace(first, tint=(1.0, 1.0, 1.0))
+
+
+def _read_glass(node: Any) -> _Glass:
+    """A Glass shader has its colour at each surface, a Principled one its square root where it refracts."""
+    principled = node.type == "BSDF_PRINCIPLED"
+    ior, roughness = (cast(float, value_at(node.inputs[name], ())) for name in ("IOR", "Roughness"))
+    colour = colour_at(node.inputs["Base Color" if principled else "Color"], ()) or (1.0, 1.0, 1.0)
+    red, green, blue = np.clip(np.sqrt(colour) if principled else colour, _DARKEST, 1).tolist()
+    return _Glass(ior, roughness, (red, green, blue), not principled)
 
 
 def _surface(body: Body) -> tuple[Floats, Floats]:

@@ -84,9 +84,7 @@ def capture_exits(
 
 def in_texels_frames(plan: CapturePlan, direction: Floats, point: Floats) -> tuple[Floats, Floats]:
     """Lines through points, both (S, K, m, 3) in world space, as `ExitSamples` has them."""
-    count = len(plan.texel)
-    axes = (plan.tangent, plan.bitangent, plan.normal)
-    frame = np.stack([axis.reshape(-1, 3)[:count] for axis in axes], axis=1).astype(np.float32)
+    frame = plan.frames.astype(np.float32)
     away = (point - plan.points[:, None]).astype(np.float32)
     away -= (away * direction).sum(axis=-1, keepdims=True) * direction
     turned = [np.einsum("kac,skmc->skma", frame, vectors, optimize=True) for vectors in (direction, away)]

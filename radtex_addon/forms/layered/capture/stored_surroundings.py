@@ -95,6 +95,7 @@ def arrays_of_field(field: DistanceField) -> Arrays:
     """All of a distance field, by names that `field_of` reads."""
     facts = field.facts
     numbers = [*facts.low, facts.step, facts.ior, facts.slopes, facts.reflections, facts.all_around]
+    numbers += [*facts.tint, facts.tints_reflections]
     return {"field": field.values, "field_facts": np.array(numbers, dtype=np.float64)}
 
 
@@ -104,8 +105,16 @@ def field_of(arrays: Arrays) -> DistanceField | None:
         return None
     values, numbers = arrays["field"], arrays["field_facts"]
     depth, height, width = values.shape[:3]
-    step, ior, slopes, reflections, all_around = numbers[3:].tolist()
+    step, ior, slopes, reflections, all_around, red, green, blue, tints_reflections = numbers[3:].tolist()
     facts = FieldFacts(
-        (width, height, depth), _single(numbers[:3]), step, ior, slopes, int(reflections), all_around
+        (width, height, depth),
+        _single(numbers[:3]),
+        step,
+        ior,
+        slopes,
+        int(reflections),
+        all_around,
+        (red, green, blue),
+        bool(tints_reflections),
     )
     return DistanceField(values, facts)

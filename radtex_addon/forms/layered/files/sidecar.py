@@ -392,7 +392,11 @@ class LayeredSidecar:
             found += [self.plane.normal, np.array([self.plane.height]), self.plane.eye]
         if self.through is not None and self.through.field is not None:
             field = self.through.field
-            found += [field.low, np.array([field.step, field.ior, field.slopes, field.all_around])]
+            found += [
+                field.low,
+                np.array([field.step, field.ior, field.slopes, field.all_around]),
+                np.log(field.tint),
+            ]
         return [*found, self.things_eye, self.boxes]
 
 
@@ -433,6 +437,8 @@ def _field_facts(field: FieldFacts) -> dict[str, Any]:
         "slopes": _short(field.slopes),
         "reflections": field.reflections,
         "all_around": _short(field.all_around),
+        "tint": [_short(part) for part in field.tint],
+        "tints_reflections": field.tints_reflections,
     }
 
 
@@ -452,8 +458,20 @@ def _field_in(facts: Facts) -> FieldFacts:
     if step < np.finfo(np.float32).tiny:
         raise FormatError(f'{facts.source}: "step" is {step}, which no field has')
     reflections = facts.whole_number("reflections", 0, _MOST_REFLECTIONS)
-    size, low = (width, height, depth), _vector(facts, "low")
-    return FieldFacts(size, low, step, ior, slopes, reflections, all_around)
+    tint = facts.numbers("tint", 3)
+    if not all(0 < part <= 1 for part in tint):
+        raise FormatError(f'{facts.source}: "tint" has parts that are not above 0 and up to 1')
+    return FieldFacts(
+        (width, height, depth),
+        _vector(facts, "low"),
+        step,
+        ior,
+        slopes,
+        reflections,
+        all_around,
+        (tint[0], tint[1], tint[2]),
+        facts.truth("tints_reflections"),
+    )
 
 
 def _lamp(facts: Facts) -> Lamp:

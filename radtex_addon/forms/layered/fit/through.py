@@ -16,12 +16,14 @@ import numpy as np
 
 from ....bake.blocks import in_blocks, planes
 from ....bake.light_samples import Axis, EndSamples, LightSamples, LobeSamples, straight_through
+from ....bake.plan import CapturePlan
 from ....bake.pooling import Neighbours
 from ....core import large_arrays
 from ....core.arrays import Bools, Floats
+from ....core.colour_spaces import LUMINANCE
 from ....core.hemisphere import cell_centres, square_to_direction
 from ..cells import THROUGH_CELLS
-from ..lookup.distance_field import FieldFacts, reflected
+from ..lookup.distance_field import DistanceField, follow, reflected
 from ..lookup.environment import Around
 from ..lookup.ways import CHANNELS, Through, look_through
 from ..samples import ExitSamples
@@ -40,6 +42,7 @@ _BINOMIAL = np.array([0.25, 0.5, 0.25], dtype=np.float32)  # what neighbouring c
 _LEAST = 1e-6
 _DARKEST = 0.01  # share of the light that glass lets through
 _SEED = 5
+_FOLLOWED = 16  # cells of each texel, of coloured glass
 _ROWS = 1 << 12  # texels whose samples are in hand at once
 
 
@@ -150,8 +153,10 @@ def fit_through(
     by_cells = Through(grid_of_ways.placed(ways), plan.placed(exits.colour, gutter=True), rest=none)
     if exits.field is None:
         return by_cells
-    dimmed = _dimmed(exits, exits.field.facts)
-    colour = plan.placed(exits.colour * dimmed[:, None], gutter=True)
+    dimmed = _dimmed(exits, exits.field, around.middle)
+    twice = _square_of_tint(exits.field)  # by which light comes in and goes out
+    hue = exits.colour if twice.min() == 1 else twice[None] / (twice @ LUMINANCE)
+    colour = plan.placed(hue * dimmed[:, None], gutter=True)
     by_field = Through(grid_of_ways.placed(ways / dimmed[:, None]), colour, none, exits.field)
     lossless = replace(exits.field, facts=replace(exits.field.facts, all_around=1.0))
     choices = [by_cells, by_field, replace(by_field, field=lossless)]
@@ -159,14 +164,51 @@ def fit_through(
     return choices[int(np.argmin(errors))]
 
 
-def _dimmed(exits: ExitSamples, facts: FieldFacts) -> Floats:
-    """The share of the light in smooth clear glass that traced paths leave there, in each texel (K,)."""
-    local = square_to_direction(cell_centres(exits.plan.layout.bucket).reshape(-1, 2))
-    white = 1 - reflected(local[:, 2].astype(np.float32), facts.ior)
+def _dimmed(exits: ExitSamples, field: DistanceField, middle: Floats) -> Floats:
+    """The luminance of each texel's colour (K,), with which the field's ways are as bright as traced paths.
+
+    It is that of the tint of two surfaces, or less. `middle` (3,) of the surroundings.
+    """
+    cells = square_to_direction(cell_centres(exits.plan.layout.bucket).reshape(-1, 2)).astype(np.float32)
+    white = 1 - reflected(cells[:, 2], field.facts.ior)
+    passing = _passing(exits.plan, field, middle, cells)
     paths = exits.weight.mean(axis=0).sum(axis=1)
-    pooled = Neighbours(exits.plan).pool(np.stack([paths, np.ones_like(paths)])[..., None])[..., 0]
+    pooled = Neighbours(exits.plan).pool(np.stack([paths, passing])[..., None])[..., 0]
     share = pooled[0] / np.maximum(pooled[1] * white.sum(), _LEAST)
-    return cast(Floats, np.clip(share, _DARKEST, 1).astype(np.float32))
+    return cast(Floats, np.clip(share, _DARKEST, _square_of_tint(field) @ LUMINANCE).astype(np.float32))
+
+
+def _passing(plan: CapturePlan, field: DistanceField, middle: Floats, cells: Floats) -> Floats:
+    """Which share (K,) of what ways bring of an even light glass lets through that tints their ends alone.
+
+    What all surfaces but those leave; told by some of the `cells` (n*n, 3), in texels' frames.
+    """
+    tint, count = np.array(field.facts.tint, dtype=np.float32), len(plan.texel)
+    if tint.min() == 1:
+        return np.ones(count, dtype=np.float32)
+    twice = _square_of_tint(field)
+    chosen = np.random.default_rng(_SEED).integers(len(cells), size=(count, _FOLLOWED))
+    frames, offsets = plan.frames.astype(np.float32), (plan.points - middle).astype(np.float32)
+    found = np.empty(count, dtype=np.float32)
+
+    def follow_some(some: slice) -> None:
+        frame, offset = frames[some].repeat(_FOLLOWED, axis=0), offsets[some].repeat(_FOLLOWED, axis=0)
+        local = cells[chosen[some]].reshape(-1, 3)
+        viewer = np.einsum("na,nac->nc", local, frame)
+        came = 1 - reflected(local[:, 2], field.facts.ior)
+        left = came.copy()
+        for way in follow(field, offset, frame[:, 2], viewer):
+            tinted = (twice * tint ** way.tints[:, None]) @ LUMINANCE / (twice @ LUMINANCE)
+            left += way.weight * (tinted - 1)
+        found[some] = left.reshape(-1, _FOLLOWED).sum(axis=1) / came.reshape(-1, _FOLLOWED).sum(axis=1)
+
+    in_blocks(follow_some, count, _FOLLOWED)
+    return found
+
+
+def _square_of_tint(field: DistanceField) -> Floats:
+    """What the surfaces by which light comes into an object and goes out leave of it, (3,)."""
+    return np.array(field.facts.tint, dtype=np.float32) ** 2
 
 
 def _errors(
@@ -221,8 +263,7 @@ def _shown(through: Through, light: LightSamples, around: Around, grid: BucketGr
     plan, shape = light.plan, light.square.shape[:2]
     samples = LobeSamples(plan, Axis.THROUGH, light.square, light.through, light.seen)
     place, shown = Places(shape), large_arrays.zeros((3, *shape), np.float16)
-    axes = [axis.reshape(-1, 3)[: len(plan.texel)] for axis in (plan.tangent, plan.bitangent, plan.normal)]
-    frame = np.stack(axes, axis=1).astype(np.float32)
+    frame = plan.frames.astype(np.float32)
     offset = (plan.points - around.middle).astype(np.float32)
     uv = texel_middles(plan)
 

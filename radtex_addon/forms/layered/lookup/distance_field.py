@@ -45,7 +45,8 @@ class FieldFacts:
     `size`: samples along x, y and z. `low` (3,): the first sample, from the middle of the surroundings;
     `step`: between samples, in scene units; `ior`: the index of refraction; `slopes`: the variance of the
     surface's small slopes along each axis, radians². A ray is lost after so many `reflections`. Of the light
-    that goes on ways which are not followed, a share comes from `all_around`.
+    that goes on ways which are not followed, a share comes from `all_around`. `tint` (3,), linear: what light
+    is multiplied by at each surface that refracts it and, if it `tints_reflections`, that reflects it within.
     """
 
     size: tuple[int, int, int]
@@ -55,6 +56,8 @@ class FieldFacts:
     slopes: float
     reflections: int
     all_around: float = 0.0
+    tint: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    tints_reflections: bool = False
 
 
 def columns_of(size: tuple[int, int, int]) -> int:
@@ -103,13 +106,15 @@ class Ways:
 
     Their `weight` (N,), 0 where they do not; `place` (N, 3), from the middle, and unit `direction` (N, 3), in
     world space; `variance` (N,), their lobes' width², about that place: of rough glass, where beams are
-    narrowest.
+    narrowest; `tints` (N,): how many surfaces tinted them beyond the two by
+    which light comes in and goes out.
     """
 
     weight: Floats
     place: Floats
     direction: Floats
     variance: Floats
+    tints: Ints
 
 
 @dataclass(eq=False)
@@ -117,8 +122,8 @@ class _Rays:
     """Rays on their way: as `Ways`, but their `place` is where they are, in steps of the field.
 
     Those of a beam differ in direction by `variance`, radians², and in place across the ray by `spread`,
-    steps², which go together by `fan`, radians x steps, (N,) each. Whether rays are `inside`, (N,), and how
-    many `reflections` (N,) they had.
+    steps², which go together by `fan`, radians x steps, (N,) each. Whether rays are `inside`, (N,), how
+    many `reflections` (N,) they had, and how many `tints` (N,).
     """
 
     weight: Floats
@@ -129,6 +134,7 @@ class _Rays:
     spread: Floats
     inside: Bools
     reflections: Ints
+    tints: Ints
 
     def put(self, some: Ints, other: _Rays) -> None:
         """Replace `some` of them."""
@@ -169,6 +175,7 @@ def follow(field: DistanceField, offset: Floats, normal: Floats, viewer: Floats)
         spread=none.copy(),
         inside=np.ones(count, dtype=bool),
         reflections=np.zeros(count, dtype=np.int32),
+        tints=np.full(count, -1, dtype=np.int32),
     )
     if facts.slopes:
         _fan_out(facts, rays, _refracting(cosine, beyond, index), none)
@@ -186,7 +193,8 @@ def follow(field: DistanceField, offset: Floats, normal: Floats, viewer: Floats)
         lost = lost - rays.weight
         rays = parted
     lost = np.maximum(lost * np.float32(facts.all_around) - np.float32(FAINT), 0)
-    return [*found, Ways(lost, offset, -viewer, np.full(count, ALL_AROUND, dtype=np.float32))]
+    width = np.full(count, ALL_AROUND, dtype=np.float32)
+    return [*found, Ways(lost, offset, -viewer, width, np.zeros(count, dtype=np.int32))]
 
 
 def reflected(cosine: Floats, ior: float) -> Floats:
@@ -199,7 +207,8 @@ def _left(facts: FieldFacts, rays: _Rays) -> Ways:
     """The ways of rays that have left the object."""
     back = np.clip(rays.fan / np.maximum(rays.variance, np.float32(1e-12)), 0, FARTHEST)
     place = facts.low + (rays.place - back[:, None] * rays.direction) * np.float32(facts.step)
-    return Ways(rays.weight, place.astype(np.float32), rays.direction, rays.variance * np.float32(TAILS))
+    variance = rays.variance * np.float32(TAILS)
+    return Ways(rays.weight, place.astype(np.float32), rays.direction, variance, rays.tints)
 
 
 def _march(field: DistanceField, rays: _Rays, parted: _Rays) -> None:
@@ -261,6 +270,7 @@ def _split(field: DistanceField, rays: _Rays, ahead: Floats, towards: Floats) ->
             spread=rays.spread.copy(),
             inside=rays.inside ^ ~back,
             reflections=rays.reflections + back,
+            tints=rays.tints + (~back | facts.tints_reflections),
         )
         if facts.slopes:
             _fan_out(facts, found, np.where(back, mirroring, refracting), bend)

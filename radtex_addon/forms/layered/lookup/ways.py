@@ -74,12 +74,16 @@ def look_through(
 def shown_through(
     field: DistanceField, around: Around, offset: Floats, normal: Floats, viewer: Floats
 ) -> Floats:
-    """What white glass of a field shows of the surroundings, (3, N); arguments as for `follow`."""
+    """What glass of a field shows of the surroundings, (3, N); arguments as for `follow`.
+
+    As if the surfaces by which light comes in and goes out were white.
+    """
+    tint = np.array(field.facts.tint, dtype=np.float32)[:, None]
     light = np.zeros((3, len(offset)), dtype=np.float32)
     for way in follow(field, offset, normal, viewer):
         some = np.flatnonzero(way.weight)
         seen = around.look(way.place[some], way.direction[some], way.variance[some])
-        light[:, some] += seen * way.weight[some]
+        light[:, some] += seen * way.weight[some] * tint ** way.tints[some]
     return light
 
 

@@ -30,7 +30,7 @@ const DEFINES := {
 ## Its uniforms of one vector, but for those that each layer has; and its arrays, with their lengths, for each material.
 const VECTORS := ["radtex_middle", "radtex_own_tile", "radtex_rest_tile", "radtex_exit_tile", "radtex_through_rest_tile",
 	"radtex_world_levels", "radtex_plane_levels", "radtex_things_levels", "radtex_distances_size", "radtex_plane_place",
-	"radtex_plane_eye", "radtex_things_eye", "radtex_field_low", "radtex_field_size", "radtex_field_glass"]
+	"radtex_plane_eye", "radtex_things_eye", "radtex_field_low", "radtex_field_size", "radtex_field_glass", "radtex_field_tint"]
 ## Of as many vectors as there are lamps, planes or boxes.
 const COUNTED := {"radtex_lamp_place": "RADTEX_LAMPS", "radtex_lamp_light": "RADTEX_LAMPS", "radtex_lamp_across": "RADTEX_LAMPS",
 	"radtex_lamp_up": "RADTEX_LAMPS", "radtex_shell": "RADTEX_SHELL", "radtex_box_low": "RADTEX_BOXES", "radtex_box_high": "RADTEX_BOXES"}
