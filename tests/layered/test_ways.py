@@ -9,13 +9,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from radtex_addon.bake.light_samples import straight_through
 from radtex_addon.bake.plan import CapturePlan
 from radtex_addon.bake.pooling import SHARE, Neighbours
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.hemisphere import cell_centres, square_to_direction
 from radtex_addon.forms.layered.capture.exits import in_texels_frames
 from radtex_addon.forms.layered.capture.panoramas import panorama_directions
-from radtex_addon.forms.layered.fit.through import fit_ways
+from radtex_addon.forms.layered.fit.bucket_grid import BucketGrid
+from radtex_addon.forms.layered.fit.texel_maps import texel_middles
+from radtex_addon.forms.layered.fit.through import fit_through_rest, fit_ways
+from radtex_addon.forms.layered.lookup.atlas import look_up
 from radtex_addon.forms.layered.lookup.environment import Around, Pictures, Plane, SurroundingLayer
 from radtex_addon.forms.layered.lookup.ways import (
     CHANNELS,
@@ -26,7 +30,7 @@ from radtex_addon.forms.layered.lookup.ways import (
     square_taps,
 )
 from radtex_addon.forms.layered.samples import ExitSamples
-from tests.layered.made_up import flat_plan
+from tests.layered.made_up import flat_plan, light_samples
 
 SIDE, CELLS, TIMES = 10, 4, 3
 EYE = np.array([0.0, 0.0, 3.0])
@@ -158,3 +162,26 @@ def test_how_much_gets_through_is_even_where_ways_go_alike_and_their_own_where_t
     apart = replace(exits, direction=direction, weight=np.where(left, np.float32(0.2), exits.weight))
     ways = fit_ways(apart, Neighbours(plan))
     np.testing.assert_allclose(ways[3], np.broadcast_to(np.where(left, 0.2, 0.8), ways[3].shape), rtol=1e-3)
+
+
+@pytest.mark.parametrize("right", [1.0, 0.4])
+def test_ways_that_are_seldom_right_are_dimmed_and_the_rest_makes_up_for_it(right: float) -> None:
+    """Samples show what the ways do, or something else by chance."""
+    plan, around, rng = sheet(), stripes_below(), np.random.default_rng(6)
+    ways = fit_ways(straight_exits(plan, 0.0), Neighbours(plan))
+    buckets = plan.placed(np.moveaxis(ways, 0, -1).reshape(-1, CELLS, CELLS, CHANNELS))
+    white, none = np.ones((SIDE, SIDE, 3), np.float32), np.zeros((1, 1, 1, 1, 3), np.float32)
+    through = Through(buckets, white, none)
+    square = rng.uniform(-1, 1, (len(plan.texel), 64, 2)).astype(np.float16)
+    viewer = -straight_through(plan, square.astype(np.float32)).reshape(-1, 3)
+    texel = np.arange(len(plan.texel)).repeat(64)
+    frame = (plan.frames[texel, 0], plan.frames[texel, 1], plan.frames[texel, 2])
+    shown = look_through(through, around, texel_middles(plan)[texel], plan.points[texel], frame, viewer).T
+    by_chance = rng.random(len(texel)) > right
+    shown[by_chance] = rng.permutation(shown)[by_chance]
+    light = light_samples(plan, square, through=shown.reshape(len(plan.texel), 64, 3))
+    fitted = fit_through_rest(through, light, around, light.seen, BucketGrid.of(plan, 1))
+    assert fitted.colour == pytest.approx(np.full_like(white, right), abs=0.08)
+    seen = look_through(fitted, around, texel_middles(plan)[texel], plan.points[texel], frame, viewer)
+    rest = look_up(fitted.rest, texel_middles(plan)[texel], -viewer)
+    assert (seen + rest).mean() == pytest.approx(shown.mean(), rel=0.1)

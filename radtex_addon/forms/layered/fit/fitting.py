@@ -183,7 +183,7 @@ def _known_lobes(known: Known | None, plan: CapturePlan) -> tuple[Lobes, Floats 
 def _through(
     capture: LayeredSamples, around: Around, used: Bools, grid: BucketGrid, known: Known | None
 ) -> Through | None:
-    exits, share = capture.exits, 1.0
+    exits, share = capture.exits, None
     if known is not None:
         through, share = known.atlas.through, known.share
     elif exits is not None:
@@ -192,8 +192,7 @@ def _through(
         through = None
     if through is None:
         return None
-    rest = fit_through_rest(through, capture.light, around, used, grid, share)
-    return replace(through, rest=grid.placed(rest))
+    return fit_through_rest(through, capture.light, around, used, grid, share)
 
 
 def _around(around: Around, parts: Parts) -> Around:

@@ -28,7 +28,7 @@ _CLEAR = 20.0  # times its noise: the most that a bucket's mean square counts am
 _COLOURED = 0.25  # of a step's mean square: what it counts for though its luminance is 0
 _PRIOR = 0.02  # of a cell's samples
 BRIGHTEST = 12.0  # times the mean luminance: a sample that is brighter than its model by more is limited
-_DOUBLE = 3.0  # times its model: more of it than that is limited, too
+BRIGHTER = 3.0  # times its model: more of it than that is limited, too
 _EYE = 1.1  # power of the brightness that an error is relative to
 _ADDED_AT_ONCE = 1 << 13  # buckets
 
@@ -42,10 +42,12 @@ def fit_rest(
     cells: int,
     level: np.float32,
     share: float = 1.0,
+    brightest: float = BRIGHTEST,
 ) -> Floats:
     """What to add to `shown` (3, K, S) for `light` (K, S, 3), by bucket and direction: (3, B, cells * cells).
 
-    `place`: of the samples; `used` (K, S): which count; `level`: their mean brightness. Each step, from
+    `place`: of the samples; `used` (K, S): which count; `level`: their mean brightness, and so many times
+    that a sample may be `brightest` above what is shown. Each step, from
     coarse cells to fine ones, is shrunk by its noise (James and Stein, 1961); of its variance only a `share`
     is left where more samples are there.
     """
@@ -61,7 +63,7 @@ def fit_rest(
             some, where = block.texels, place.some(block.texels, each)
             now = shown[:, some, each] + grid.gather(table, where, some)
             weight = used[some, each] * brightness_weight(now, level)
-            most = _DOUBLE * np.maximum(now, 0) + BRIGHTEST * level
+            most = BRIGHTER * np.maximum(now, 0) + brightest * level
             off = weight * (np.minimum(np.maximum(planes(light[some, each]), 0), most) - now)
             columns = [weight, *off, np.tensordot(LUMINANCE, off, axes=1) ** 2]
             sums[:, block.buckets] = block.scatter(where, side, columns)

@@ -9,7 +9,7 @@ splits light at each surface, the share that refracts every time. Its ray is kep
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import cast
 
 import numpy as np
@@ -28,7 +28,7 @@ from ..lookup.environment import Around
 from ..lookup.ways import CHANNELS, Through, look_through
 from ..samples import ExitSamples
 from .bucket_grid import Block, BucketGrid
-from .residual import fit_rest, mean_brightness, weighted_squares
+from .residual import BRIGHTER, BRIGHTEST, brightness_weight, fit_rest, mean_brightness, weighted_squares
 from .rows import Places, halved, random_half
 from .texel_maps import texel_middles
 
@@ -42,6 +42,10 @@ _BINOMIAL = np.array([0.25, 0.5, 0.25], dtype=np.float32)  # what neighbouring c
 _LEAST = 1e-6
 _DARKEST = 0.01  # share of the light that glass lets through
 _SEED = 5
+_RAREST = 30.0  # times the mean: as `BRIGHTEST`, where much of the light is in few paths
+_BOUNDED = 2 / 3  # of the light, from which on that is much
+_LEAST_RIGHT = 0.1
+_EVEN = 0.01  # times the square of the mean: a variance; ways that show hardly more here than there are right
 _FOLLOWED = 16  # cells of each texel, of coloured glass
 _ROWS = 1 << 12  # texels whose samples are in hand at once
 
@@ -244,15 +248,59 @@ def fit_through_rest(
     around: Around,
     used: Bools,
     grid: BucketGrid,
-    share: float = 1.0,
-) -> Floats:
-    """What the ways do not show of light samples: (3, B, m*m). `used` (K, S): which count.
+    share: float | None = None,
+) -> Through:
+    """Ways with what they do not show of light samples as their rest. `used` (K, S): which count.
 
-    `share` as for `fit_rest`.
+    New ways are dimmed if samples say that they are seldom right: the rest is brighter for it. Those that
+    are known, of which new samples are a `share`, as for `fit_rest`, stay.
     """
     place, shown = _shown(through, light, around, grid)
     level = mean_brightness(light.through, used)
-    return fit_rest(place, light.through, used, shown, grid, THROUGH_CELLS, level, share)
+    if not level:
+        return replace(through, rest=grid.placed(large_arrays.zeros((3, len(grid), THROUGH_CELLS**2))))
+    told = _Told.of(light, shown, used, level)
+    if share is None:
+        right = np.float32(told.right)
+        through = replace(through, colour=through.colour * right)
+        in_blocks(lambda some: np.multiply(shown[:, some], right, out=shown[:, some]), *used.shape)
+    brightest = _RAREST if told.bounded < _BOUNDED else BRIGHTEST
+    rest = fit_rest(place, light.through, used, shown, grid, THROUGH_CELLS, level, share or 1.0, brightest)
+    return replace(through, rest=grid.placed(rest))
+
+
+@dataclass(frozen=True)
+class _Told:
+    """What light samples tell of ways, all over an object.
+
+    `right`: by how much samples rise where ways show more, the slope of their regression; 1 where these are
+    right, 0 where they are by chance. `bounded`: the share of the samples' light that is left where none may
+    be much brighter than its model.
+    """
+
+    right: float
+    bounded: float
+
+    @classmethod
+    def of(cls, light: LightSamples, shown: Floats, used: Bools, level: np.float32) -> _Told:
+        """`shown` (3, K, S) by ways; `used` (K, S): which samples count; `level`: their mean brightness."""
+
+        def sums(some: slice) -> Floats:
+            now = shown[:, some].astype(np.float32)
+            weight = used[some] * brightness_weight(now, level)
+            told, found = (
+                np.tensordot(LUMINANCE, one, axes=1).astype(np.float64)
+                for one in (now, planes(light.through[some]))
+            )
+            bounded = np.minimum(found, BRIGHTER * told + BRIGHTEST * level)[used[some]].sum()
+            parts = (weight, weight * told, weight * found, weight * told**2, weight * told * found)
+            return np.array([*(part.sum() for part in parts), found[used[some]].sum(), bounded])
+
+        count, told, found, squares, products, whole, bounded = np.sum(in_blocks(sums, *used.shape), axis=0)
+        count = np.maximum(count, _LEAST)
+        even = _EVEN * count * float(level) ** 2
+        slope = (products - told * found / count + even) / (squares - told**2 / count + even)
+        return cls(float(np.clip(slope, _LEAST_RIGHT, 1)), float(bounded / max(whole, 1e-30)))
 
 
 def _shown(through: Through, light: LightSamples, around: Around, grid: BucketGrid) -> tuple[Places, Floats]:
