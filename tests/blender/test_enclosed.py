@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, cast
 
+import bmesh
 import bpy
 import numpy as np
 import pytest
@@ -223,6 +224,19 @@ def test_what_is_in_a_bubble_is_outside() -> None:
     values = field.at((place - field.facts.low) / field.facts.step)
     assert values[:, 3] * field.facts.step == pytest.approx([0.2, 0.1, -0.2, 0.05], abs=0.02)
     assert field_of((shell, glass_), (ball(0.4), glass_)) is None
+
+
+@pytest.mark.one_blender
+def test_a_small_hole_is_no_harm() -> None:
+    """Light samples judge what is shown: rays through it are few."""
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    item = ball(1.0)
+    shape = bmesh.new()
+    shape.from_mesh(item.data)
+    bmesh.ops.delete(shape, geom=cast(Any, list(shape.faces)[600:604]), context="FACES")
+    shape.to_mesh(item.data)
+    item.data.calc_loop_triangles()
+    assert field_of((item, clear())) is not None
 
 
 @pytest.mark.one_blender

@@ -24,8 +24,8 @@ from ..lookup.distance_field import DistanceField, FieldFacts
 from .gloss_maps import width_of
 
 _MARGIN = 2  # samples outside the objects' box at each end
-_CLOSED = 0.999  # share of the samples on whose sign rays along all axes agree, at least
-_OUTWARDS = 0.98  # share of the samples beside the surface that its normals point away from, or to, at least
+_CLOSED = 0.95  # share of the samples on whose sign rays along all axes agree, at least
+_OUTWARDS = 0.9  # share of the samples beside the surface that its normals point away from, or to, at least
 _BESIDE = 1.0  # steps
 _ON = 1e-4  # steps: behind a surface that was met
 _APART = np.array([0.31, 0.53, 0.71]) * 1e-3  # steps: so that rays meet no edge of an even mesh
