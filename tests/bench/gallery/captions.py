@@ -55,8 +55,7 @@ CAPTIONS = {
         "(total internal reflection).",
         "The ball is bent around the bubble, which keeps it out of its rim, and its second, small image in "
         "the bubble is there, all as soft as frosted glass makes them. The bubble's rim is a little too "
-        "sharp, and its inside lacks the tint of two more surfaces: seen from above, where there is little "
-        "else, buckets of 16 x 16 cells are nearer.",
+        "sharp; seen from above, where there is little else, buckets of 16 x 16 cells are nearer.",
     ),
     "alpha": Caption(
         "Transparency",
