@@ -148,8 +148,11 @@ vec3 radtex_followed(vec3 from, vec3 N, vec3 V) {
         bool outside = k == 2, going = !outside && way.weight > 0.004;
         for (int taken = 0; taken < 64 && going; taken++) {
             vec4 found = radtex_field(way.place);
-            vec3 ahead = found.xyz * (way.side * inversesqrt(max(dot(found.xyz, found.xyz), 1e-12)));
-            float free = -found.w * way.side, towards = dot(way.ray, ahead);
+            float free = -found.w * way.side;
+            vec3 normal = found.xyz;  // of an edge that of the nearest sample
+            if (free < 0.1 && dot(normal, normal) < 0.8) normal = radtex_field(floor(way.place + 0.5)).xyz;
+            vec3 ahead = normal * (way.side * inversesqrt(max(dot(normal, normal), 1e-12)));
+            float towards = dot(way.ray, ahead);
             bool met = free < 0.1 && towards > 0.05;
             float steps = met ? free / max(towards, 0.2) : max(free, 0.5);
             way.place += steps * way.ray;

@@ -166,8 +166,11 @@ float3 radtex_followed(float3 from, float3 N, float3 V) {
         bool outside = k == 2, going = !outside && way.weight > 0.004;
         [loop] for (int taken = 0; taken < 64 && going; taken++) {
             float4 found = radtex_field(way.place);
-            float3 ahead = found.xyz * (way.side * rsqrt(max(dot(found.xyz, found.xyz), 1e-12)));
-            float free = -found.w * way.side, towards = dot(way.ray, ahead);
+            float free = -found.w * way.side;
+            float3 normal = found.xyz;  // of an edge that of the nearest sample
+            if (free < 0.1 && dot(normal, normal) < 0.8) normal = radtex_field(floor(way.place + 0.5)).xyz;
+            float3 ahead = normal * (way.side * rsqrt(max(dot(normal, normal), 1e-12)));
+            float towards = dot(way.ray, ahead);
             bool met = free < 0.1 && towards > 0.05;
             float steps = met ? free / max(towards, 0.2) : max(free, 0.5);
             way.place += steps * way.ray;

@@ -25,6 +25,9 @@ STEPS = 64  # of each ray, through all that it crosses
 MET = 0.1  # steps of the field: a surface that is nearer, and comes nearer, is met
 LEAST = 0.5  # … by which a ray goes on at least
 PUSH = 1.5  # … by which a ray that was turned leaves the surface
+EDGE = (
+    0.8  # squared length of a mix of unit normals: less is an edge, where that of the nearest sample counts
+)
 TOWARDS = 0.05  # cosine between a ray and the normal of a surface that it meets, at least
 STEEP = 0.2  # cosine: what a distance is divided by, at least, to know where along the ray the surface is
 FAN = 0.2  # cosine that tells how a surface fans a beam out, at least
@@ -98,6 +101,13 @@ class DistanceField:
                 share = above * beside
                 found += (share * (1 - x))[:, None] * flat[corner] + (share * x)[:, None] * flat[corner + 1]
         return found
+
+    def normal_at(self, place: Floats, mixed: Floats) -> Floats:
+        """Unit normals (N, 3) at places (N, 3) on the surface, of which `mixed` (N, 3) are those around."""
+        normal, edge = mixed.copy(), np.flatnonzero((mixed**2).sum(axis=1) < EDGE)
+        x, y, z = np.floor(place[edge] + np.float32(0.5)).astype(np.intp).T
+        normal[edge] = self.values[z, y, x, :3]
+        return _unit(normal)
 
 
 @dataclass(frozen=True, eq=False)
@@ -224,8 +234,11 @@ def _march(field: DistanceField, rays: _Rays, parted: _Rays) -> None:
             return
         found = field.at(here)
         side = np.where(rays.inside[going], np.float32(1), np.float32(-1))
-        ahead = _unit(found[:, :3]) * side[:, None]
         free = -found[:, 3] * side
+        near = np.flatnonzero(free < MET)
+        ahead = _unit(found[:, :3])
+        ahead[near] = field.normal_at(here[near], found[near, :3])
+        ahead *= side[:, None]
         towards = (rays.direction[going] * ahead).sum(axis=1)
         met = (free < MET) & (towards > TOWARDS)
         far = np.where(
