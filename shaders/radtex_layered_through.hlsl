@@ -168,7 +168,7 @@ float3 radtex_followed(float3 from, float3 N, float3 V) {
             float4 found = radtex_field(way.place);
             float free = -found.w * way.side;
             float3 normal = found.xyz;  // of an edge that of the nearest sample
-            if (free < 0.1 && dot(normal, normal) < 0.8) normal = radtex_field(floor(way.place + 0.5)).xyz;
+            if (free < 0.1 && dot(normal, normal) < 0.9) normal = radtex_field(floor(way.place + 0.5)).xyz;
             float3 ahead = normal * (way.side * rsqrt(max(dot(normal, normal), 1e-12)));
             float towards = dot(way.ray, ahead);
             bool met = free < 0.1 && towards > 0.05;

@@ -166,7 +166,7 @@ fn radtex_followed(whence: vec3f, N: vec3f, V: vec3f) -> vec3f {
             let found = radtex_field(way.place);
             let free = -found.w * way.side;
             var normal = found.xyz;  // of an edge that of the nearest sample
-            if free < 0.1 && dot(normal, normal) < 0.8 { normal = radtex_field(floor(way.place + 0.5)).xyz; }
+            if free < 0.1 && dot(normal, normal) < 0.9 { normal = radtex_field(floor(way.place + 0.5)).xyz; }
             let ahead = normal * (way.side * inverseSqrt(max(dot(normal, normal), 1e-12)));
             let towards = dot(way.ray, ahead);
             let met = free < 0.1 && towards > 0.05;

@@ -247,7 +247,7 @@ vec3 radtex_followed(vec3 from, vec3 N, vec3 V) {
             vec4 found = radtex_field(way.place);
             float free = -found.w * way.side;
             vec3 normal = found.xyz;  // of an edge that of the nearest sample
-            if (free < 0.1 && dot(normal, normal) < 0.8) normal = radtex_field(floor(way.place + 0.5)).xyz;
+            if (free < 0.1 && dot(normal, normal) < 0.9) normal = radtex_field(floor(way.place + 0.5)).xyz;
             vec3 ahead = normal * (way.side * inversesqrt(max(dot(normal, normal), 1e-12)));
             float towards = dot(way.ray, ahead);
             bool met = free < 0.1 && towards > 0.05;

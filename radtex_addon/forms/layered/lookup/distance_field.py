@@ -25,9 +25,7 @@ STEPS = 64  # of each ray, through all that it crosses
 MET = 0.1  # steps of the field: a surface that is nearer, and comes nearer, is met
 LEAST = 0.5  # … by which a ray goes on at least
 PUSH = 1.5  # … by which a ray that was turned leaves the surface
-EDGE = (
-    0.8  # squared length of a mix of unit normals: less is an edge, where that of the nearest sample counts
-)
+EDGE = 0.9  # squared length of mixed unit normals: of less, an edge, that of the nearest sample counts
 TOWARDS = 0.05  # cosine between a ray and the normal of a surface that it meets, at least
 STEEP = 0.2  # cosine: what a distance is divided by, at least, to know where along the ray the surface is
 FAN = 0.2  # cosine that tells how a surface fans a beam out, at least
