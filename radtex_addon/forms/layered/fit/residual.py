@@ -46,10 +46,9 @@ def fit_rest(
 ) -> Floats:
     """What to add to `shown` (3, K, S) for `light` (K, S, 3), by bucket and direction: (3, B, cells * cells).
 
-    `place`: of the samples; `used` (K, S): which count; `level`: their mean brightness, and so many times
-    that a sample may be `brightest` above what is shown. Each step, from
-    coarse cells to fine ones, is shrunk by its noise (James and Stein, 1961); of its variance only a `share`
-    is left where more samples are there.
+    `place`: of the samples; `used` (K, S): which count; `level`: their mean brightness; `brightest`: how many
+    times that a sample may be above what is shown. Each step, from coarse cells to fine ones, is shrunk by
+    its noise (James and Stein, 1961); of its variance only a `share` is left where more samples are there.
     """
     table = large_arrays.zeros((3, len(grid), cells * cells))
     if not level:
