@@ -71,6 +71,18 @@ def covered_in_coarser(covered: Bools, shape: tuple[int, ...], step: float) -> B
     return found
 
 
+def means_in(values: Floats, height: int, width: int) -> Floats:
+    """The means of a map (H, W, C) in the texels of one of as many or fewer rows and columns: (h, w, C)."""
+    for axis, count in ((0, height), (1, width)):
+        size = values.shape[axis]
+        starts = -(-np.arange(count) * size // count)
+        each = np.diff([*starts, size]).astype(np.float32)
+        shape = [1, 1, 1]
+        shape[axis] = count
+        values = np.add.reduceat(values, starts, axis, dtype=np.float32) / each.reshape(shape)
+    return values
+
+
 def gutter_agreement(covered: Bools, texels: Floats, loss: float = 0.0) -> float:
     """How well a UV layer that covers the texels `covered` (H, W) agrees with a bake's `texels` (H, W, K).
 

@@ -38,6 +38,7 @@ LIGHT, ENDS = "light", "ends"  # pieces begin with these and a hyphen
 _TEXELS_AT_ONCE = 1 << 12
 LOBES = {"diffuse": "diffuse", "mirrored": "glossy", "through": "transmission"}  # Cycles's names
 DIFFUSE, MIRRORED, THROUGH = map(attributes_of, LOBES.values())
+EMISSION = attributes_of("emission")
 EMITTED = (None, 0)  # what the light of ends' sheets is that are rendered elsewhere: see `PathEnds`
 
 # All passes of a sheet: of LIGHT (0), or of ENDS by the number of the EMITTED light; then the sheet's number
@@ -45,9 +46,10 @@ Sheets: TypeAlias = Callable[[int, int], Passes]
 _Capture: TypeAlias = PortalCapture | SheetCapture
 
 
-def light_aim(plan: CapturePlan, seed: int) -> Aim:
-    """How the rays of light are aimed."""
-    return Aim(spread_shifts(len(plan.texel), seed), DIFFUSE + THROUGH)
+def light_aim(plan: CapturePlan, seed: int, glows: bool = False) -> Aim:
+    """How the rays of light are aimed; where the surface `glows`, they tell what it emits."""
+    passes = DIFFUSE + THROUGH + (EMISSION if glows else ())
+    return Aim(spread_shifts(len(plan.texel), seed), passes)
 
 
 def ends_aim(plan: CapturePlan, seed: int) -> Aim:
@@ -69,20 +71,23 @@ def capture_samples(
     store: PieceStore = NO_STORE,
     thumbnail: Thumbnail | None = None,
     sheets: Sheets | None = None,
+    glows: bool = False,
 ) -> Generator[Progress, None, LightSamples]:
     """Trace one path in each of the plan's cells.
 
     `hidden` (K, m, m) marks hidden cells, on a coarser grid. `sheets` that were rendered elsewhere take the
-    place of renders. Yields progress in texels. Raises BakeError where Cycles fails.
+    place of renders. Where the surface `glows`, what it emits is told apart. Yields progress in texels.
+    Raises BakeError where Cycles fails.
     """
     count, cells = len(plan.texel), plan.layout.bucket**2
-    aim = light_aim(plan, seed)
+    aim = light_aim(plan, seed, glows)
     capture: _Capture
     if sheets is None:
         capture = PortalCapture(scene, plan, Kind.RADIANCE, 1, seed, folder, aim)
     else:
         capture = SheetCapture(plan, partial(sheets, 0))
-    samples: Arrays = {name: large_arrays.empty((count, cells, 3), np.float16) for name in LOBES}
+    kinds = (*LOBES, "emitted") if glows else tuple(LOBES)
+    samples: Arrays = {name: large_arrays.empty((count, cells, 3), np.float16) for name in kinds}
     samples["colour"] = np.empty((count, 3), dtype=np.float32)
     tiles = tiles_of(plan)
     names = [_name(LIGHT, tile) for tile in tiles]
@@ -90,7 +95,7 @@ def capture_samples(
         tile = tiles[number]
         first = tile.first_row * plan.columns
         yield Progress(Stage.CAPTURE, first, count)
-        found = store.get_or_make(names[number], partial(_trace_light, capture, tile, cells))
+        found = store.get_or_make(names[number], partial(_trace_light, capture, tile, cells, glows))
         for name, whole in samples.items():
             whole[first : first + len(found[name])] = found[name]
         if thumbnail is not None:
@@ -111,11 +116,13 @@ def _seen(square: Floats, hidden: Bools) -> Bools:
     return seen
 
 
-def _trace_light(capture: _Capture, tile: Tile, cells: int) -> Arrays:
+def _trace_light(capture: _Capture, tile: Tile, cells: int, glows: bool) -> Arrays:
     passes = capture.render_passes(tile)
     diffuse, through = _light(passes, "diffuse"), _light(passes, "through")
     mirrored = passes.whole[..., :3] - diffuse - through
     lobes = {"diffuse": diffuse, "mirrored": mirrored, "through": through}
+    if glows:
+        lobes["emitted"] = light_of(passes, "emission")
     found: Arrays = {name: _half(light).reshape(-1, cells, 3) for name, light in lobes.items()}
     found["colour"] = colour_of(passes, "diffuse").reshape(-1, cells, 3).mean(axis=1)
     return found

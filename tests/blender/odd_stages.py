@@ -71,6 +71,24 @@ def _toon_glossy(tree: Any) -> Any:
     return socket
 
 
+def glowing() -> Stage:
+    """What glows in patterns: alone, beside diffuse light, and at the rim."""
+    _start(sky=True)
+    cells = output("TexVoronoi", "Color")
+    lamps = node(
+        "BsdfPrincipled", Base_Color=RED, Emission_Color=cells, Emission_Strength=output("TexWave", "Fac")
+    )
+    facing = output("LayerWeight", "Facing")
+    rim = node("AddShader", _0=DIFFUSE, _1=node("Emission", Color=GREEN, Strength=facing))
+    made_of = {
+        "cells": node("Emission", Color=cells),
+        "lamps": lamps,
+        "rim": rim,
+        "matt": DIFFUSE,
+    }
+    return stage_of(balls([material(name, shader) for name, shader in made_of.items()]))
+
+
 def see_through() -> Stage:
     """Glass, refraction, and what camera rays pass."""
     _start(sky=True)

@@ -71,6 +71,20 @@ def test_more_samples_bring_a_bake_nearer_to_one_of_many(out: Path) -> None:
     assert np.abs(latest.rest - first.rest).max() > 0
 
 
+def test_what_glows_is_not_added_once_more(out: Path, floor: Any) -> None:
+    """What the floor emits is in its colour and irradiance, which stay, and so not in the rest."""
+    tree = floor.data.materials[0].node_tree
+    glow = tree.nodes["Principled BSDF"].inputs["Emission Color"]
+    tree.links.new(tree.nodes.new("ShaderNodeTexChecker").outputs["Color"], glow)
+    tree.nodes["Principled BSDF"].inputs["Emission Strength"].default_value = 20.0
+    first = bake(out, SPEC)
+    assert first.irradiance.max() > 15
+    latest = bake(out, MORE)
+    np.testing.assert_array_equal(latest.colour, first.colour)
+    np.testing.assert_array_equal(latest.irradiance, first.irradiance)
+    assert max(np.abs(one.rest).max() for one in (first, latest)) < 2
+
+
 def test_new_samples_count_by_their_number(out: Path) -> None:
     before = bake(out, replace(SPEC, samples=4)).irradiance
     again = Path(shutil.copytree(out, out.with_name("again")))

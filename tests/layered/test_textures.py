@@ -117,6 +117,22 @@ def test_levels_of_irradiance_are_means_of_what_is_seen(tmp_path: Path) -> None:
         assert np.allclose(levels[-1], light[:, 20:].mean(axis=(0, 1)), rtol=0.2)
 
 
+def test_from_afar_colour_times_irradiance_has_the_mean_that_it_has_near_by(tmp_path: Path) -> None:
+    """Of a lamp on a dark wall, which is most of the light, and whose neighbours have little colour."""
+    light, colour = np.ones((16, 16, 3), np.float32), np.full((32, 32, 3), 0.5, np.float32)
+    light[5:8, 5:8], colour[10:16, 10:16] = 20, 0.5 / 20
+    colour[12:14, 12:14] = 1
+    sidecar = tmp_path / "Wall.radiance.json"
+    atlas = replace(atlas_called("bare"), irradiance=light, colour=colour)
+    write_layered(sidecar, atlas, replace(FACTS, width=16, height=16))
+    file = SidecarFile.read(sidecar)
+    spec = ExportSpec(Target.RAW, format=TextureFormat.KTX2_RGBA16F)
+    entry = form_in(file.facts).write_textures(file, spec, tmp_path)[IRRADIANCE]
+    *_, last = decode_texture(texture_of(tmp_path, entry))
+    whole = (colour * light.repeat(2, axis=0).repeat(2, axis=1)).mean(axis=(0, 1))
+    np.testing.assert_allclose(last[0, 0, 0, :3] * colour.mean(axis=(0, 1)), whole, rtol=0.01)
+
+
 @pytest.mark.parametrize("name", ["everything", "clear", "bare"])
 def test_lookups_are_nearly_what_they_were(tmp_path: Path, name: str) -> None:
     """By what the files say of themselves: the manifest's entries and the blocks.

@@ -124,7 +124,7 @@ def _bake(job: BakeJob) -> Generator[Progress, None, Outcome]:
     )
     plan = captured.capture.light.plan
     looks = image_looks(prepared, captured.capture, captured.triangle)
-    atlas = yield from fit_layered(captured.capture, known=known)
+    atlas = yield from fit_layered(captured.capture, known=known, imaged=[look is not None for look in looks])
     if known is not None:
         atlas = merged(known, atlas)
     atlas = replace(atlas, looks=looks)

@@ -97,7 +97,8 @@ class LayeredSamples:
 
     `light`: single paths. `alone`: paths through the object in an empty world. `own`: mirror rays that meet
     the object itself. `fine` and `coarse`: maps of the diffuse colour, the glossy colour and the shading
-    normal, "diffuse", "glossy", "normal", (H', W', 3) and (H, W, 3); where roughness may vary, "width", log2
+    normal, "diffuse", "glossy", "normal", (H', W', 3) and (H, W, 3); where the surface may glow, "emission",
+    the light that it emits along the normal, likewise; where roughness may vary, "width", log2
     of its lobe's width², one channel, NaN where it is not known; and in `fine` their "material"'s number,
     (H', W', 1). `material` (K,): of the texels.
     `exits`: for objects that let light through, the rays in which paths leave them. Both are None where the

@@ -17,7 +17,7 @@ import numpy as np
 from ...core.arrays import Floats, Ints
 from ...core.errors import InputError
 from ...core.fragments import Fragments
-from ...core.gutter import covered_in_coarser, dilate, nearest_covered
+from ...core.gutter import covered_in_coarser, dilate, means_in, nearest_covered
 from ...core.messages import Setting, do, leave_out
 from ...core.surface import SurfaceMesh
 from ...core.texel_map import TexelMap, covered_texels, rasterise
@@ -39,6 +39,7 @@ from .lookup.atlas import LayeredAtlas, sample_layered
 from .shader_values import CLEAR_ALPHA, of_nodes_alone
 
 _DIRECTIONS = 64  # from which each texel is looked at
+_BLACK = np.float32(1e-3)  # what counts of texels without colour
 _EACH = 8  # directions between two reports of progress
 _LIGHT = frozenset({COLOUR, IRRADIANCE, TINT, WORLD})  # colours without alpha, never below 0
 
@@ -155,7 +156,8 @@ def _levels_of_seen(image: Floats, colour: Floats, side: int) -> tuple[Floats, .
 
     A texel is the mean of those below it that somebody sees, or where nobody does, what lies there on the
     next level: so no edge darkens. What nobody sees is black, and so is its `colour` (H', W', 3), which is as
-    fine or finer. What is the same everywhere has one level.
+    fine or finer. Texels count by their colour, which has no levels: from afar the product of both has the
+    same mean as near by. What is the same everywhere has one level.
     """
     if (image == image[0, 0]).all():
         return (image,)
@@ -163,14 +165,15 @@ def _levels_of_seen(image: Floats, colour: Floats, side: int) -> tuple[Floats, .
     coloured = covered_in_coarser(colour.any(axis=2), (height, width), len(colour) / height)
     more = [(0, -height % side), (0, -width % side), (0, 0)]
     whole = np.pad(image, more, mode="edge")
-    seen = np.pad((image.any(axis=2) | coloured)[..., None], more, mode="edge").astype(np.float32)
-    sums, parts = _to_one_texel((whole,))[1:], _to_one_texel((seen,))[1:]
-    above = whole.sum(axis=(0, 1), keepdims=True) / seen.sum()
+    seen = (image.any(axis=2) | coloured)[..., None]
+    weight = np.pad(seen * (means_in(colour, height, width) + _BLACK), more, mode="edge")
+    sums, parts = _to_one_texel((whole * weight,))[1:], _to_one_texel((weight,))[1:]
+    above = sums[-1] / parts[-1]
     levels: list[Floats] = []
     for total, part in zip(reversed(sums), reversed(parts), strict=True):
         places = zip(part.shape[:2], above.shape[:2], strict=True)
         rows, columns = (np.minimum(np.arange(here) // 2, there - 1) for here, there in places)
-        above = np.where(part > 0, total / np.maximum(part, 1e-9), above[np.ix_(rows, columns)])
+        above = np.where(part > 0, total / np.maximum(part, 1e-12), above[np.ix_(rows, columns)])
         levels.append(above)
     return (whole, *reversed(levels))
 

@@ -39,17 +39,22 @@ def is_dark(scene: bpy.types.Scene, layer: bpy.types.ViewLayer) -> bool:
     if world is not None and _world_shines(world):
         return False
     materials = {slot.material for item in shown for slot in item.material_slots if slot.material}
-    if any(_has_nodes(material) and _shines(material.node_tree) for material in materials):
+    if any(map(glows, materials)):
         return False
     return not any(item.instance_type != "NONE" for item in shown)
 
 
 def may_glow(layer: bpy.types.ViewLayer) -> bool:
     """Whether anything but a view layer's own lamps and the world might emit light; True if in doubt."""
-    if any(_has_nodes(material) and _shines(material.node_tree) for material in _used_materials()):
+    if any(map(glows, _used_materials())):
         return True
     instancing = (item.instance_type != "NONE" or _has_geometry_nodes(item) for item in layer.objects)
     return any(instancing)  # the instances may be lamps
+
+
+def glows(material: bpy.types.Material) -> bool:
+    """Whether a material could emit light: any linked socket counts as light."""
+    return _has_nodes(material) and _shines(material.node_tree)
 
 
 def _used_materials() -> list[bpy.types.Material]:
@@ -63,7 +68,7 @@ def _has_geometry_nodes(item: bpy.types.Object) -> bool:
 
 def without_emission(material: bpy.types.Material) -> bpy.types.Material:
     """A copy of the material that emits no light; the material itself if it emits none."""
-    if not (_has_nodes(material) and _shines(material.node_tree)):
+    if not glows(material):
         return material
     dark = cast(bpy.types.Material, material.copy())
     _change(dark.node_tree, _put_out, {})
@@ -72,7 +77,7 @@ def without_emission(material: bpy.types.Material) -> bpy.types.Material:
 
 def dark_to_cameras(material: bpy.types.Material) -> bpy.types.Material:
     """A copy of the material whose emission cameras do not see; the material itself if it emits none."""
-    if not (_has_nodes(material) and _shines(material.node_tree)):
+    if not glows(material):
         return material
     copy = cast(bpy.types.Material, material.copy())
     _change(copy.node_tree, _hide_emission, {})

@@ -27,7 +27,7 @@ from ....cycles.sampling import Sheets, capture_ends, capture_samples, ends_aim,
 from ....prepare.covered_texels import covered_texels
 from ....prepare.prepared import BakedCopy, Prepared
 from ....scene.checks.finite_light import black_bake
-from ....scene.lights.light import is_dark
+from ....scene.lights.light import glows, is_dark
 from ....scene.mesh.joined import values_in
 from ....scene.mesh.render_contents import matrices_in_renders, top_of_render
 from ....scene.scratch import find_view_layer, scene_copied
@@ -286,7 +286,7 @@ class _Captures:
         ready = yield from self._ready()
         seed, plan = self.spec.seed, ready.lit
         with scene_copied(self.scratch) as copy:
-            show_sheets(copy, plan, light_aim(plan, seed), seed, self.folder)
+            show_sheets(copy, plan, light_aim(plan, seed, self._glows), seed, self.folder)
             save(Part.LIGHT, copy, plan)
         plan = self._plan(ready, ready.rays.ends)
         with self._ends_scene(ready) as ends:
@@ -339,6 +339,11 @@ class _Captures:
             times=times,
             bar=bar,
         )
+
+    @property
+    def _glows(self) -> bool:
+        """Whether the objects could emit light."""
+        return any(glows(one) for body in self.bodies for one in body.mesh.materials if one is not None)
 
     def _covered(self, plan: CapturePlan, texels: TexelMap) -> Steps[Bools]:
         """Which texels of a plan are under, behind or inside a neighbour, (K,); see `covered_texels`."""
@@ -393,7 +398,7 @@ class _Captures:
         seed, folder, store, bar = self.spec.seed, self.folder, self.store, ready.bar
         with scene_copied(self.scratch) as copy:
             steps = capture_samples(
-                copy, ready.lit, ready.unseen, seed, folder, store, self.thumbnail, self.sheets
+                copy, ready.lit, ready.unseen, seed, folder, store, self.thumbnail, self.sheets, self._glows
             )
             light = yield from relayed(steps, lambda step: bar.at("light", step.done / step.total))
         return self._lit(replace(light, through=without_zeros(light.through)))
@@ -454,7 +459,7 @@ class _Captures:
         def capture() -> Arrays:
             with scene_copied(self.scratch) as copy:
                 slanted = depends_on_angle(self.clear)
-                found = capture_maps(copy, plan, self.spec.seed, self.folder, slanted)
+                found = capture_maps(copy, plan, self.spec.seed, self.folder, slanted, self._glows)
             if self.known is None:
                 plans = [plan] if within is None else within
                 width = capture_gloss(self.scratch, self.bodies, plans, self.spec.seed, self.folder)

@@ -53,18 +53,25 @@ def _looks(plan: CapturePlan, slanted: bool) -> tuple[CapturePlan, Aim, Floats]:
 
 
 def capture_maps(
-    scene: bpy.types.Scene, plan: CapturePlan, seed: int, folder: Path, slanted: bool = False
+    scene: bpy.types.Scene,
+    plan: CapturePlan,
+    seed: int,
+    folder: Path,
+    slanted: bool = False,
+    glows: bool = False,
 ) -> dict[str, Floats]:
     """The colours "diffuse" and "glossy" along the normal, and the shading "normal" in world space.
 
-    Of a plan of one cell a bucket, each (H, W, 3), gutter filled. `slanted`: means over the hemisphere.
+    Where the surface `glows`, "emission", too, the light that it emits along the normal. Of a plan of one
+    cell a bucket, each (H, W, 3), gutter filled. `slanted`: means over the hemisphere.
     Raises BakeError where Cycles fails.
     """
     looks, aim, weight = _looks(plan, slanted)
-    wanted = [attribute for name in (*_COLOURS, "normal") for attribute in attributes_of(name)]
+    lights = ("normal", "emission") if glows else ("normal",)
+    wanted = [attribute for name in (*_COLOURS, *lights) for attribute in attributes_of(name)]
     capture = PortalCapture(scene, looks, Kind.RADIANCE, 1, seed, folder, replace(aim, passes=tuple(wanted)))
     first_hit_only(scene)
-    found: dict[str, list[Floats]] = {name: [] for name in (*_COLOURS, "normal")}
+    found: dict[str, list[Floats]] = {name: [] for name in (*_COLOURS, *lights)}
 
     def mean(seen: Floats) -> Floats:
         means: Floats = (seen.reshape(-1, len(weight), 3) * weight).sum(axis=1)
@@ -74,7 +81,8 @@ def capture_maps(
         passes = capture.render_passes(tile)
         for name in _COLOURS:
             found[name].append(large_arrays.stowed(mean(colour_of(passes, name))))
-        found["normal"].append(large_arrays.stowed(mean(light_of(passes, "normal"))))
+        for name in lights:
+            found[name].append(large_arrays.stowed(mean(light_of(passes, name))))
     whole = {name: large_arrays.concatenated(found.pop(name)) for name in list(found)}
     return {name: plan.placed(whole.pop(name), gutter=True) for name in list(whole)}
 

@@ -55,7 +55,7 @@ class Opacity:
         alpha = self.coarse[np.searchsorted(self.texel, plan.texel)][:, None]
         image = plan.placed(alpha, gutter=True)
         coarse = {
-            name: kept / image if name in ("diffuse", "glossy") else kept
+            name: kept / image if name in ("diffuse", "glossy", "emission") else kept
             for name, kept in capture.coarse.items()
         }
         exits = capture.exits
@@ -74,7 +74,15 @@ class Opacity:
 def _bare_light(light: LightSamples, alpha: Floats) -> LightSamples:
     lobes = (light.diffuse, light.mirrored, light.through)
     diffuse, mirrored, through = (_limited(lobe, alpha) for lobe in lobes)
-    return replace(light, colour=light.colour / alpha, diffuse=diffuse, mirrored=mirrored, through=through)
+    emitted = None if light.emitted is None else _limited(light.emitted, alpha)
+    return replace(
+        light,
+        colour=light.colour / alpha,
+        diffuse=diffuse,
+        mirrored=mirrored,
+        through=through,
+        emitted=emitted,
+    )
 
 
 def _bare_ends(ends: EndSamples, alpha: Floats) -> EndSamples:

@@ -24,7 +24,7 @@ from ..lookup.lobes import falloff_at
 _DOUBT = 1.5  # times the noise: a difference no larger than that is none
 DARK = 1e-3  # a colour's channel, below which it tells nothing of the light
 _FAINT = 0.02  # of what a material mirrors: of less diffuse light no falloff is told
-_MOST = 8.0  # times the light along the normal
+_MOST = 64.0  # times the light along the normal: sheen alone comes to 25
 FALLOFF_SIZE = 16
 GRAZING = 0.1  # N.I below which a sample is not fitted: the facet's own horizon is near
 
@@ -42,13 +42,13 @@ def fit_falloffs(light: LightSamples, facing: Floats, material: Ints) -> tuple[F
             falloffs.append(np.ones((FALLOFF_SIZE, 3), dtype=np.float32))
             continue
         falloff, found = fit_diffuse(light, facing, own)
-        shown = found.mean() > _FAINT * _mean(light.mirrored, own)
+        shown = found.mean() > _FAINT * mean_of(light.mirrored, own)
         falloffs.append(np.clip(falloff, 0, _MOST) if shown else np.ones_like(falloff))
         diffuse[own] = found
     return np.stack(falloffs), diffuse
 
 
-def _mean(values: Floats, own: Ints) -> float:
+def mean_of(values: Floats, own: Ints) -> float:
     """The mean of the samples (K, S, 3) of some texels, `own` (k,)."""
 
     def add(some: slice) -> float:

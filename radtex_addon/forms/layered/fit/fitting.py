@@ -5,14 +5,14 @@
 from __future__ import annotations
 
 from collections.abc import Generator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import cast
 
 import numpy as np
 
 from ....bake.blocks import in_blocks
 from ....bake.computed_rows import computed
-from ....bake.light_samples import EndSamples
+from ....bake.light_samples import EndSamples, LightSamples
 from ....bake.plan import CapturePlan
 from ....bake.pooling import Neighbours
 from ....bake.progress import Progress, Stage
@@ -29,6 +29,7 @@ from ..samples import LayeredSamples
 from .bucket_grid import BucketGrid
 from .buckets import ALL_PARTS, Parts, fit_buckets, free_share
 from .diffuse import facing_of, fit_falloffs, fit_irradiance
+from .glow import fit_glow
 from .known import Known
 from .light_map import LightMap
 from .lobes import Paths
@@ -46,9 +47,13 @@ _FREE = 0.98  # of a direction, above which a path is taken to leave the object 
 
 
 def fit_layered(
-    capture: LayeredSamples, parts: Parts = ALL_PARTS, known: Known | None = None
+    capture: LayeredSamples, parts: Parts = ALL_PARTS, known: Known | None = None, imaged: Sequence[bool] = ()
 ) -> Generator[Progress, None, LayeredAtlas]:
-    """Fit the layered layout to a capture; what is `known` of a bake that is there stays. Yields progress."""
+    """Fit the layered layout to a capture; what is `known` of a bake that is there stays. Yields progress.
+
+    `imaged`: of which materials their own images take the place of the map of colours, which then tells none
+    of their glow; of none, if empty.
+    """
     yield Progress(Stage.FIT, 0, _STEPS)
     light, plan = capture.light, capture.light.plan
     neighbours = Neighbours(plan)
@@ -59,8 +64,8 @@ def fit_layered(
     normal, normal_map = shading_normals(plan, *maps, parts.normals)
     tint, tint_map = tints(plan, capture.material, *maps, parts.tint)
     grid = BucketGrid.of(plan, coarser(max(plan.layout.width, plan.layout.height)))
-    colour = capture.coarse["diffuse"].reshape(-1, 3)[plan.texel].astype(np.float32)
-    falloff, irradiance = _diffuse(capture, facing, colour, neighbours, parts, known)
+    matt = _matt(capture, facing, neighbours, parts, known, imaged)
+    light = matt.light
     del facing
     yield Progress(Stage.FIT, 1, _STEPS)
     own = capture.own  # its rays were traced about the mesh's normals, whatever the shading normals
@@ -90,9 +95,9 @@ def fit_layered(
         materials = tuple(map(_single, materials))
     tangent_map = _tangents(capture, known, materials)
     surface = Surface(
-        grid, normal, irradiance * colour, falloff, tint,
+        grid, normal, matt.diffuse, matt.falloff, tint,
         lobes.width, capture.material, materials, around, free,
-        Lit.of(plan.normals, irradiance, colour), at_texels(tangent_map, plan),
+        Lit.of(plan.normals, matt.irradiance, matt.colour), at_texels(tangent_map, plan),
     )  # fmt: skip
     yield Progress(Stage.FIT, 3, _STEPS)
     found = fit_buckets(surface, own, light, used, parts, known)
@@ -103,12 +108,12 @@ def fit_layered(
         if more is not None:
             rest += more
     yield Progress(Stage.FIT, 4, _STEPS)
-    through = _through(capture, around, used, grid, known)
+    through = _through(capture, light, around, used, grid, known)
     yield Progress(Stage.FIT, _STEPS, _STEPS)
     return LayeredAtlas(
-        colour=large_arrays.as_type(capture.fine["diffuse"], np.float32),
-        irradiance=plan.placed(irradiance, gutter=True),
-        falloff=falloff,
+        colour=large_arrays.as_type(matt.colour_map, np.float32),
+        irradiance=matt.irradiance_map,
+        falloff=matt.falloff,
         tint=tint_map,
         normal=normal_map,
         width=width_map,
@@ -120,6 +125,51 @@ def fit_layered(
         alpha=capture.alpha,
         tangent=tangent_map,
     )
+
+
+@dataclass(frozen=True, eq=False)
+class _Matt:
+    """The diffuse light of the texels, and what they emit as far as it is told with it: see `glow`.
+
+    It is `colour` times `irradiance` (K, 3) times the `falloff` (M, B, 3); also as maps, gutters filled.
+    `light`: the samples of it, and of all other light.
+    """
+
+    light: LightSamples
+    falloff: Floats
+    colour: Floats
+    irradiance: Floats
+    colour_map: Floats
+    irradiance_map: Floats
+
+    @property
+    def diffuse(self) -> Floats:
+        """The light along the normal, (K, 3)."""
+        return self.colour * self.irradiance
+
+
+def _matt(
+    capture: LayeredSamples,
+    facing: Floats,
+    neighbours: Neighbours,
+    parts: Parts,
+    known: Known | None,
+    imaged: Sequence[bool],
+) -> _Matt:
+    light, plan, colour_map = capture.light, capture.light.plan, capture.fine["diffuse"]
+    colour = capture.coarse["diffuse"].reshape(-1, 3)[plan.texel].astype(np.float32)
+    falloff, irradiance = _diffuse(capture, facing, colour, neighbours, parts, known)
+    image = plan.placed(irradiance, gutter=True)
+    fixed = np.array(imaged, dtype=bool)[capture.material] if imaged else None
+    glow = fit_glow(capture, facing, falloff, irradiance * colour, fixed, known)
+    if glow is None:
+        return _Matt(light, falloff, colour, irradiance, colour_map, image)
+    colour_map, image = glow.folded(plan, colour_map, image, fixed, known)
+    diffuse = irradiance * colour + glow.light
+    irradiance = image.reshape(-1, 3)[plan.texel]
+    colour = np.divide(diffuse, irradiance, out=np.zeros_like(diffuse), where=irradiance > 0)
+    light = glow.taken_from(light, capture.material)
+    return _Matt(light, glow.falloff, colour, irradiance, colour_map, image)
 
 
 def _diffuse(
@@ -181,18 +231,23 @@ def _known_lobes(known: Known | None, plan: CapturePlan) -> tuple[Lobes, Floats 
 
 
 def _through(
-    capture: LayeredSamples, around: Around, used: Bools, grid: BucketGrid, known: Known | None
+    capture: LayeredSamples,
+    light: LightSamples,
+    around: Around,
+    used: Bools,
+    grid: BucketGrid,
+    known: Known | None,
 ) -> Through | None:
     exits, share = capture.exits, None
     if known is not None:
         through, share = known.atlas.through, known.share
     elif exits is not None:
-        through = fit_through(exits, capture.light, around, used, grid)
+        through = fit_through(exits, light, around, used, grid)
     else:
         through = None
     if through is None:
         return None
-    return fit_through_rest(through, capture.light, around, used, grid, share)
+    return fit_through_rest(through, light, around, used, grid, share)
 
 
 def _around(around: Around, parts: Parts) -> Around:
