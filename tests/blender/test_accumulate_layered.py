@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import bmesh
 import bpy
 import numpy as np
 import pytest
@@ -83,6 +84,25 @@ def test_what_glows_is_not_added_once_more(out: Path, floor: Any) -> None:
     np.testing.assert_array_equal(latest.colour, first.colour)
     np.testing.assert_array_equal(latest.irradiance, first.irradiance)
     assert max(np.abs(one.rest).max() for one in (first, latest)) < 2
+
+
+def test_a_material_narrower_than_texels_is_one_of_the_bake_s(out: Path, floor: Any) -> None:
+    """A face that no middle of a texel lies on, beside paint whose roughness is an image."""
+    tree = floor.data.materials[0].node_tree
+    checker = tree.nodes.new("ShaderNodeTexChecker").outputs["Factor"]
+    tree.links.new(checker, tree.nodes["Principled BSDF"].inputs["Roughness"])
+    floor.data.materials.append(stage.material("Stud", "ShaderNodeBsdfDiffuse"))
+    mesh = bmesh.new()
+    mesh.from_mesh(floor.data)
+    corners = [mesh.verts.new((x, y, 0.1)) for x, y in ((0.9, 0.9), (0.91, 0.9), (0.9, 0.91))]
+    stud = mesh.faces.new(corners)
+    stud.material_index = 1
+    for loop, uv in zip(stud.loops, ((0.5, 0.5), (0.505, 0.5), (0.5, 0.505)), strict=True):
+        loop[mesh.loops.layers.uv["UVMap"]].uv = uv
+    mesh.to_mesh(floor.data)
+    mesh.free()
+    assert len(bake(out, SPEC).materials) == 2
+    assert len(bake(out, MORE).falloff) == 2
 
 
 def test_new_samples_count_by_their_number(out: Path) -> None:

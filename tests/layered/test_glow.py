@@ -50,7 +50,7 @@ def _emitting(curve: Floats, pattern: Floats, diffuse: float = 0.0) -> LayeredSa
 
 def _fitted(capture: LayeredSamples, diffuse: float = 0.0) -> Glow | None:
     falloff = np.ones((1, 16, 3), np.float32)
-    return fit_glow(capture, COSINE, falloff, np.full((SIDE * SIDE, 3), diffuse, np.float32), None, None)
+    return fit_glow(capture, COSINE, falloff, np.full((SIDE * SIDE, 3), diffuse, np.float32))
 
 
 @pytest.mark.parametrize("rim", [False, True])

@@ -105,6 +105,7 @@ class LayeredSamples:
     samples are for a bake that is there.
     `light_map`: diffuse light that was traced anew where it is noisy or has edges; None if nowhere.
     `alpha` (H', W', 1): by which the maps in `fine` are multiplied, and all else is divided; None if it is 1.
+    `materials`: how many the surface has, those of which no texel shows anything included.
     `passing`: the paths of `alone` pass the object where they would meet it after it has mirrored them.
     """
 
@@ -119,3 +120,10 @@ class LayeredSamples:
     light_map: LightMap | None = None
     alpha: Floats | None = None
     passing: bool = False
+    materials: int = 1
+
+    @property
+    def material_count(self) -> int:
+        """How many materials there are by the surface, the texels, and the maps."""
+        found = (int(self.material.max()), int(self.fine["material"].max()))
+        return max(self.materials, *(number + 1 for number in found))

@@ -244,6 +244,7 @@ class _Captures:
                 exits,
                 light_map,
                 passing=ready.passing,
+                materials=int(ready.faces.max()) + 1,
             )
         )
         of_ends = 0 if self.known is not None else rays.ends

@@ -58,7 +58,7 @@ def fit_layered(
     light, plan = capture.light, capture.light.plan
     neighbours = Neighbours(plan)
     facing = facing_of(light)
-    used = _counted(facing)
+    used, count = _counted(facing), capture.material_count
     around = _around(capture.around, parts)
     maps = (capture.fine, capture.coarse)
     normal, normal_map = shading_normals(plan, *maps, parts.normals)
@@ -80,10 +80,10 @@ def fit_layered(
             alone = free_share(own.rays, own.meets, grid, CELLS[0].own)
         paths = _open_paths(capture, capture.alone, normal, alone, grid)
         vary = parts.widths and normal_map is None  # normals that vary in a texel would count as roughness
-        glossy = mean_colours(capture.material, capture.coarse["glossy"], plan) if parts.tint else None
+        glossy = mean_colours(capture.material, capture.coarse["glossy"], plan, count) if parts.tint else None
         lobes = fit_lobes(
             paths, capture.material, neighbours, vary, _evaluated(capture, parts), tint, glossy,
-            at_texels(capture.coarse.get("tangent"), plan),
+            at_texels(capture.coarse.get("tangent"), plan), count,
         )  # fmt: skip
         width_map = lobes.image(plan, capture.fine)
         del paths
@@ -161,7 +161,7 @@ def _matt(
     falloff, irradiance = _diffuse(capture, facing, colour, neighbours, parts, known)
     image = plan.placed(irradiance, gutter=True)
     fixed = np.array(imaged, dtype=bool)[capture.material] if imaged else None
-    glow = fit_glow(capture, facing, falloff, irradiance * colour, fixed, known)
+    glow = fit_glow(capture, facing, falloff, irradiance * colour, imaged, known)
     if glow is None:
         return _Matt(light, falloff, colour, irradiance, colour_map, image)
     colour_map, image = glow.folded(plan, colour_map, image, fixed, known)
@@ -190,6 +190,8 @@ def _diffuse(
         falloff, diffuse = fit_falloffs(light, facing, material)
         if not parts.smooth:
             return falloff, np.divide(diffuse, colour, out=np.zeros_like(diffuse), where=colour > 1e-3)
+    unseen = np.ones((max(capture.material_count - len(falloff), 0), *falloff.shape[1:]), np.float32)
+    falloff = np.concatenate([falloff, unseen])
     irradiance = fit_irradiance(light, facing, falloff, material, colour, neighbours, share)
     return falloff, irradiance if found is None else found.onto(irradiance, falloff, material)
 

@@ -10,6 +10,7 @@ then keeps (D I + E) / I' as its colour, and I' as its irradiance, where I' is l
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import cast
 
@@ -111,7 +112,9 @@ class Glow:
         if fixed is not None and fixed.any():
             beside_fixed = _widest(plan.placed(fixed[:, None], gutter=True))
             raised = np.where(beside_fixed, irradiance, raised)
+            needed = np.where(beside_fixed, 0, needed)
         raised = plan.placed(raised.reshape(-1, 3)[plan.texel], gutter=True)
+        raised = np.maximum(raised, needed)  # of lamps between texels, which count as gutter
         other = (raised != irradiance).any(axis=2)
         if known is not None:
             return known.atlas.colour, np.where(other[..., None], known.atlas.irradiance, irradiance)
@@ -154,47 +157,66 @@ def fit_glow(
     facing: Floats,
     falloff: Floats,
     diffuse: Floats,
-    fixed: Bools | None,
-    known: Known | None,
+    imaged: Sequence[bool] = (),
+    known: Known | None = None,
 ) -> Glow | None:
     """What the materials emit, as far as it can be told so; None where nothing can.
 
     `facing` (K, S): N.V of the samples that count, of others 0; `falloff` (M, B, 3) and `diffuse` (K, 3): the
-    diffuse light. Texels that are `fixed` (K,) are left out. Of a bake that is `known`, what was told so
-    then.
+    diffuse light. Materials that are `imaged` are left out. Of a bake that is `known`, what was told so then.
     """
     light, plan, material = capture.light, capture.light.plan, capture.material
-    if light.emitted is None or not light.emitted.any():
+    if light.emitted is None:
         return None
-    free = np.ones(len(material), dtype=bool) if fixed is None else ~fixed
-    emitting = replace(light, diffuse=light.emitted)
-    curves = falloff.copy()
-    alone = np.zeros(len(falloff), dtype=bool)
-    for number in np.unique(material[free]):
+    emits = _emitting(capture, light.emitted, len(falloff))
+    emits[np.flatnonzero(imaged)] = False
+    if not emits.any():
+        return None
+    curves, alone = falloff.copy(), np.zeros(len(falloff), dtype=bool)
+    for number in np.unique(material[emits[material]]):
         own = np.flatnonzero(material == number)
         emitted = mean_of(light.emitted, own)
         alone[number] = diffuse[own].mean() < _ALONE * emitted
         if emitted and known is None:
             curves[number] = _curve(light, facing, own, falloff[number], bool(alone[number]))
+    emitting = replace(light, diffuse=light.emitted)
     found = estimate_frontal(emitting, facing, curves, material)[0].T.astype(np.float32)
     whole, left = _squares(light.emitted, facing, found, curves, material)
     along = capture.coarse["emission"].reshape(-1, 3)[plan.texel].astype(np.float32)
-    shown, fine, falloff = np.zeros_like(diffuse), np.zeros_like(alone), falloff.copy()
-    for number in np.unique(material[free]):
+    shown, falloff = np.zeros_like(diffuse), falloff.copy()
+    fine, glowing = np.zeros_like(alone), np.zeros_like(alone)
+    for number in map(int, np.flatnonzero(emits)):
         own = np.flatnonzero(material == number)
         told = left[own].sum() <= (1 - _TOLD) * whole[own].sum()
-        if not whole[own].any() or not (told if known is None else _was_folded(capture, known, number)):
+        if not (told if known is None else _was_folded(capture, known, number)):
             continue
         last = curves[number, -1]
         frontal = found[own] * last
-        alike = ((along[own] - frontal) ** 2).sum() < _ALIKE * (frontal**2).sum()
-        fine[number] = alike and last.min() > _FRONTAL  # the map along the normal tells it
-        if fine[number] or alone[number] or known is not None:
+        off, all_of_it = ((along[own] - frontal) ** 2).sum(), (frontal**2).sum()
+        fine[number] = (
+            off <= _ALIKE * all_of_it and last.min() > _FRONTAL
+        )  # the map along the normal tells it
+        glowing[number] = fine[number] or alone[number] or known is not None
+        if glowing[number]:
             shown[own] = along[own] / last if fine[number] else found[own]
             falloff[number] = curves[number]
-    if not shown.any():
+    if not glowing.any():
         return None
-    return Glow(shown, falloff, _image(capture, shown, falloff, fine))
+    return Glow(shown, falloff, _image(capture, shown, falloff, fine, glowing))
+
+
+def _emitting(capture: LayeredSamples, emitted: Floats, count: int) -> Bools:
+    """Which of so many materials emit anything, by the samples (K, S, 3) or along the normal: (M,).
+
+    Lamps may be narrower than texels are apart: only the fine map meets them.
+    """
+    found = np.zeros(count, dtype=bool)
+    emission, material = capture.fine["emission"], capture.fine["material"]
+    for some in blocks(len(emission), max(1, _TEXELS // emission.shape[1])):
+        found[material[some, :, 0][emission[some].any(axis=2)].astype(np.intp)] = True
+    glows = large_arrays.from_blocks(len(emitted), lambda some: emitted[some].any(axis=(1, 2)), _ROWS)
+    found[capture.material[glows]] = True
+    return found
 
 
 def _curve(light: LightSamples, facing: Floats, own: Ints, falloff: Floats, alone: bool) -> Floats:
@@ -213,13 +235,11 @@ def _curve(light: LightSamples, facing: Floats, own: Ints, falloff: Floats, alon
     return cast(Floats, np.clip(curve, 0, _STEEPEST) * falloff[-1])
 
 
-def _image(capture: LayeredSamples, shown: Floats, falloff: Floats, fine: Bools) -> Floats:
-    """`Glow.image` of what texels show, (K, 3); of `fine` (M,) materials the map of what they emit."""
+def _image(capture: LayeredSamples, shown: Floats, falloff: Floats, fine: Bools, glowing: Bools) -> Floats:
+    """`Glow.image` of what texels show, (K, 3), of `glowing` materials (M,); of `fine` ones by their map."""
     plan, maps = capture.light.plan, capture.fine
     tall, wide = maps["emission"].shape[:2]
     of_texels = plan.placed(shown, gutter=True)
-    glowing = np.zeros(len(falloff), dtype=bool)
-    glowing[np.unique(capture.material[shown.any(axis=1)])] = True
 
     def compute(some: slice) -> Floats:
         number = np.minimum(maps["material"][some, :, 0].astype(np.intp), len(falloff) - 1)

@@ -71,8 +71,9 @@ def fit_lobes(
     tint: Floats | None = None,
     glossy: Floats | None = None,
     tangent: Floats | None = None,
+    least: int = 1,
 ) -> Lobes:
-    """The lobes of all materials; `material` (K,) are the texels' numbers.
+    """The lobes of all materials, at `least` so many; `material` (K,) are the texels' numbers.
 
     `evaluated` (K,): log2 of the width² that follows from roughness, NaN where it is not known. Widths are
     not fitted unless they may `vary`, and all 1 where they hardly differ. `tint` (K, 3): what lobes are
@@ -80,7 +81,7 @@ def fit_lobes(
     weights follow better from both and from roughness than from the tint alone, materials have a `gloss`.
     `tangent` (K, 3): along what texels may be brushed.
     """
-    count = int(material.max()) + 1
+    count = max(int(material.max()) + 1, least)
     width = _fitted(paths, neighbours, vary)
     usual, taken = np.zeros(count, np.float32), np.zeros(count, bool)
     known: list[int] = []  # the materials whose roughness is
