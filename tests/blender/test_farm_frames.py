@@ -59,15 +59,18 @@ def build_lively(folder: Path) -> bpy.types.Scene:
     glass = next(each for each in bpy.data.materials["glass"].node_tree.nodes if "Roughness" in each.inputs)
     glass.inputs["Color"].default_value = (1.0, 0.3, 0.0, 1.0)
     shown: Any = bpy.data.materials["painted"].node_tree
-    gloss, mix, info = (
-        shown.nodes.new(f"ShaderNode{kind}") for kind in ("BsdfAnisotropic", "MixShader", "ObjectInfo")
+    gloss, mix, info, glow, add = (
+        shown.nodes.new(f"ShaderNode{kind}")
+        for kind in ("BsdfAnisotropic", "MixShader", "ObjectInfo", "Emission", "AddShader")
     )
     diffuse = next(each for each in shown.nodes if each.type == "BSDF_DIFFUSE")
     out = next(each for each in shown.nodes if each.type == "OUTPUT_MATERIAL")
     shown.links.new(info.outputs["Random"], mix.inputs[0])
     shown.links.new(diffuse.outputs[0], mix.inputs[1])
     shown.links.new(gloss.outputs[0], mix.inputs[2])
-    shown.links.new(mix.outputs[0], out.inputs[0])
+    shown.links.new(mix.outputs[0], add.inputs[0])
+    shown.links.new(glow.outputs[0], add.inputs[1])
+    shown.links.new(add.outputs[0], out.inputs[0])
     lamp: Any = next(each for each in bpy.data.lights)
     lamp.driver_add("energy").driver.expression = "frame * 5"
     bpy.ops.mesh.primitive_cube_add(size=0.4, location=(0.9, 0, 0.6))
