@@ -14,7 +14,7 @@ from radtex_addon.core.hemisphere import square_to_direction
 from radtex_addon.core.octahedron import cell_directions
 from radtex_addon.cycles.portal import Aim
 from radtex_addon.forms.layered.fit.buckets import Parts
-from radtex_addon.forms.layered.fit.diffuse import fit_falloffs
+from radtex_addon.forms.layered.fit.diffuse import estimate_frontal, fit_falloffs
 from radtex_addon.forms.layered.fit.fitting import fit_layered
 from radtex_addon.forms.layered.fit.texel_maps import tints
 from radtex_addon.forms.layered.fit.view_dependence import view_dependence
@@ -83,6 +83,21 @@ def test_each_material_has_a_falloff_of_its_own() -> None:
     np.testing.assert_allclose(told[1], 2 - cosine, atol=0.08)
     np.testing.assert_allclose(told[2], 1)
     np.testing.assert_allclose(diffuse[:2], 1, atol=0.08)
+
+
+def test_white_sheen_over_two_colours_leaves_both_nearly_as_bright_facing() -> None:
+    """Sheen is more of what is dark: one falloff for both is too steep for the one, too flat for the other."""
+    plan = flat_plan(SIDE, 16)
+    square = Aim(spread_shifts(SIDE * SIDE, 3)).square(16)
+    facing = square_to_direction(square)[..., 2].astype(np.float32)
+    material = np.zeros(len(plan.texel), np.int32)
+    colour = np.where(np.arange(len(plan.texel)) % 2, 0.1, 0.5).astype(np.float32)
+    shown = (colour[:, None] + 0.5 * (1 - facing) ** 4)[..., None].repeat(3, axis=2).astype(np.float16)
+    light = light_samples(plan, square, diffuse=shown)
+    falloff, _ = fit_falloffs(light, facing, material)
+    frontal = estimate_frontal(light, facing, falloff, material)[0].T
+    off = (frontal / colour[:, None]).reshape(-1, 2, 3).mean(axis=(0, 2)) - 1
+    assert np.abs(off).max() < 0.42  # 0.50 by least squares
 
 
 @pytest.mark.parametrize("tilt", [0, 25])

@@ -25,6 +25,7 @@ _DOUBT = 1.5  # times the noise: a difference no larger than that is none
 DARK = 1e-3  # a colour's channel, below which it tells nothing of the light
 _FAINT = 0.02  # of what a material mirrors: of less diffuse light no falloff is told
 _MOST = 64.0  # times the light along the normal: sheen alone comes to 25
+_STEEP = 1.25  # times the light along the normal: of a falloff that comes to more, sums are taken
 FALLOFF_SIZE = 16
 GRAZING = 0.1  # N.I below which a sample is not fitted: the facet's own horizon is near
 
@@ -136,8 +137,10 @@ def sample_falloff(falloff: Floats, cosine: Floats) -> Floats:
 def estimate_frontal(light: LightSamples, facing: Floats, falloff: Floats, material: Ints) -> Floats:
     """The diffuse light along the normal of each texel, and that estimate's variance: (2, 3, K).
 
-    Arguments as for `fit_irradiance`.
+    By least squares; where light rises steeply towards the rim, as of sheen, by sums: samples there would
+    decide else, and rise otherwise with each base colour. Arguments as for `fit_irradiance`.
     """
+    steep = falloff.max(axis=1) > _STEEP * falloff[:, -1]
 
     def estimate(some: slice) -> Floats:
         used = facing[some] > 0
@@ -147,6 +150,12 @@ def estimate_frontal(light: LightSamples, facing: Floats, falloff: Floats, mater
         against = np.maximum((curve * curve).sum(axis=2), 1e-6)
         frontal = (shown * curve).sum(axis=2) / against
         off = ((shown - frontal[..., None] * curve) ** 2).sum(axis=2) / against
+        by_sums = steep[material[some]].T
+        if by_sums.any():
+            total = np.maximum(curve.sum(axis=2), 1e-6)
+            frontal = np.where(by_sums, shown.sum(axis=2) / total, frontal)
+            squares = ((shown - frontal[..., None] * curve) ** 2).sum(axis=2)
+            off = np.where(by_sums, squares * used.sum(axis=1) / total**2, off)
         return np.stack([frontal, off / np.maximum(used.sum(axis=1) - 1, 1)])
 
     return np.concatenate(in_blocks(estimate, *facing.shape), axis=2)
