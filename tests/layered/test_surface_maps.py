@@ -86,7 +86,7 @@ def test_each_material_has_a_falloff_of_its_own() -> None:
 
 
 def test_white_sheen_over_two_colours_leaves_both_nearly_as_bright_facing() -> None:
-    """Sheen is more of what is dark: one falloff for both is too steep for the one, too flat for the other."""
+    """Sheen is more of what is dark: one falloff is too steep for one colour, too flat for the other."""
     plan = flat_plan(SIDE, 16)
     square = Aim(spread_shifts(SIDE * SIDE, 3)).square(16)
     facing = square_to_direction(square)[..., 2].astype(np.float32)
