@@ -92,7 +92,7 @@ def test_a_material_narrower_than_texels_is_one_of_the_bake_s(out: Path, floor: 
     checker = tree.nodes.new("ShaderNodeTexChecker").outputs["Factor"]
     tree.links.new(checker, tree.nodes["Principled BSDF"].inputs["Roughness"])
     floor.data.materials.append(stage.material("Stud", "ShaderNodeBsdfDiffuse"))
-    mesh = bmesh.new()
+    mesh: Any = bmesh.new()
     mesh.from_mesh(floor.data)
     corners = [mesh.verts.new((x, y, 0.1)) for x, y in ((0.9, 0.9), (0.91, 0.9), (0.9, 0.91))]
     stud = mesh.faces.new(corners)
