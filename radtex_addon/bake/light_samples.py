@@ -34,7 +34,7 @@ class LightSamples:
     `square` (K, S, 2): each direction's bucket coordinates B. `diffuse` and `through` (K, S, 3): the light of
     the diffuse passes and of the transmission passes; `mirrored` (K, S, 3): all other light; float16 will do.
     `colour` (K, 3): the mean of the diffuse colour pass. `seen` (K, S): whether a viewer can be there at all.
-    `emitted` (K, S, 3): how much of `mirrored` the surface itself emits; None where it emits nothing.
+    `emitted` (K, S, 3): how much of `mirrored` the surface itself emits; None where no material emits.
     """
 
     plan: CapturePlan

@@ -33,7 +33,7 @@ from ..formats.json_reader import shown
 # are cut; which rays are traced, in which order and with which seeds; what a stage of a fit hands to the next
 # one; what the filling of gutters and hidden cells stores. RadTex's version is compared besides: it tells
 # releases apart, this number what was built between them, and farms, whose frames later releases may join.
-PIECE_FORMAT = 7
+PIECE_FORMAT = 8
 
 KEY = "key.json"
 LOCK = "lock"

@@ -103,6 +103,11 @@ def test_colour_times_irradiance_is_what_it_was_and_the_glow_whatever_is_beside_
     beside = bilinear(found, between) * bilinear(raised, between)
     dark = bilinear(expected, between)
     assert (beside[lit] <= 1.1 * dark[lit] + 0.02).all()
+    image[30:34, 30:34] = 0.2  # a faint sign, in the light: no more irradiance is needed
+    found, raised = Glow(glow.light, glow.falloff, image).folded(PLAN, colour, irradiance)
+    np.testing.assert_allclose(
+        (found * bilinear(raised, uv).reshape(colour.shape))[30:34, 30:34], 0.7, rtol=1e-5
+    )
     fixed = (np.arange(SIDE * SIDE) % SIDE) > 6
     _, kept = glow.folded(PLAN, colour, irradiance, fixed)
     np.testing.assert_array_equal(kept[:, 6:], irradiance[:, 6:])  # and those that lookups blend with them

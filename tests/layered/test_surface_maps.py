@@ -16,6 +16,7 @@ from radtex_addon.cycles.portal import Aim
 from radtex_addon.forms.layered.fit.buckets import Parts
 from radtex_addon.forms.layered.fit.diffuse import estimate_frontal, fit_falloffs
 from radtex_addon.forms.layered.fit.fitting import fit_layered
+from radtex_addon.forms.layered.fit.light_map import LightMap
 from radtex_addon.forms.layered.fit.texel_maps import tints
 from radtex_addon.forms.layered.fit.view_dependence import view_dependence
 from radtex_addon.forms.layered.lookup.lobes import falloff_at
@@ -83,6 +84,13 @@ def test_each_material_has_a_falloff_of_its_own() -> None:
     np.testing.assert_allclose(told[1], 2 - cosine, atol=0.08)
     np.testing.assert_allclose(told[2], 1)
     np.testing.assert_allclose(diffuse[:2], 1, atol=0.08)
+
+
+def test_a_light_map_goes_with_falloffs_of_more_materials_than_its_texels_have() -> None:
+    light = np.array([[2, 2, 2], [np.nan] * 3], np.float32)
+    traced = LightMap(light, np.full((2, 16, 3), 0.5, np.float32), np.zeros(2, bool), 1)
+    found = traced.onto(np.ones((2, 3), np.float32), np.ones((3, 16, 3), np.float32), np.array([1, 0]))
+    np.testing.assert_allclose(found, [[1, 1, 1], [1, 1, 1]])
 
 
 def test_white_sheen_over_two_colours_leaves_both_nearly_as_bright_facing() -> None:

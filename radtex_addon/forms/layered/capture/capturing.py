@@ -402,7 +402,8 @@ class _Captures:
                 copy, ready.lit, ready.unseen, seed, folder, store, self.thumbnail, self.sheets, self._glows
             )
             light = yield from relayed(steps, lambda step: bar.at("light", step.done / step.total))
-        return self._lit(replace(light, through=without_zeros(light.through)))
+        emitted = None if light.emitted is None else without_zeros(light.emitted)
+        return self._lit(replace(light, through=without_zeros(light.through), emitted=emitted))
 
     def _light_map(self, ready: _Ready, light: LightSamples) -> Steps[LightMap | None]:
         """The map of the light; None where an object is clear: paths along the normal tell too little."""

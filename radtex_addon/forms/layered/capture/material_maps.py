@@ -30,6 +30,7 @@ from .own_rays import dark_world
 from .surface_alone import Clear
 
 _COLOURS = ("diffuse", "glossy")
+_MOST = 65504  # of half floats, as the samples of light
 _SLANTS = 3  # rays along a side of the hemisphere
 _ANGLES: Outputs = {  # what depends on the angle
     "LAYER_WEIGHT": frozenset({"Fresnel", "Facing"}),
@@ -81,8 +82,10 @@ def capture_maps(
         passes = capture.render_passes(tile)
         for name in _COLOURS:
             found[name].append(large_arrays.stowed(mean(colour_of(passes, name))))
-        for name in lights:
-            found[name].append(large_arrays.stowed(mean(light_of(passes, name))))
+        found["normal"].append(large_arrays.stowed(mean(light_of(passes, "normal"))))
+        if glows:
+            emitted = np.clip(np.nan_to_num(light_of(passes, "emission"), nan=0.0), 0, _MOST)
+            found["emission"].append(large_arrays.stowed(mean(emitted)))
     whole = {name: large_arrays.concatenated(found.pop(name)) for name in list(found)}
     return {name: plan.placed(whole.pop(name), gutter=True) for name in list(whole)}
 

@@ -144,7 +144,7 @@ class _Matt:
 
     @property
     def diffuse(self) -> Floats:
-        """The light along the normal, (K, 3)."""
+        """The light before the falloff, (K, 3)."""
         return self.colour * self.irradiance
 
 
@@ -182,16 +182,17 @@ def _diffuse(
 ) -> tuple[Floats, Floats]:
     """The materials' falloffs (M, B, 3), those that are `known` if any, and the texels' irradiance (K, 3)."""
     light, material, share, found = capture.light, capture.material, 1.0, capture.light_map
+    frontal: Floats | None = None
     if known is not None:
         falloff, share = known.atlas.falloff, known.share
     elif found is not None:
         falloff = found.falloff
     else:
-        falloff, diffuse = fit_falloffs(light, facing, material)
-        if not parts.smooth:
-            return falloff, np.divide(diffuse, colour, out=np.zeros_like(diffuse), where=colour > 1e-3)
+        falloff, frontal = fit_falloffs(light, facing, material)
     unseen = np.ones((max(capture.material_count - len(falloff), 0), *falloff.shape[1:]), np.float32)
     falloff = np.concatenate([falloff, unseen])
+    if frontal is not None and not parts.smooth:
+        return falloff, np.divide(frontal, colour, out=np.zeros_like(frontal), where=colour > 1e-3)
     irradiance = fit_irradiance(light, facing, falloff, material, colour, neighbours, share)
     return falloff, irradiance if found is None else found.onto(irradiance, falloff, material)
 

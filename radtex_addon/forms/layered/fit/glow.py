@@ -34,8 +34,8 @@ _TOLD = 0.9  # of the squares of what it emits, from which on the falloff tells 
 _ALIKE = 0.05  # squares of what differs along normals, over those of what is emitted there
 _FRONTAL = 0.1  # of what is emitted most, that is emitted along the normal, for it to be told by that
 _OTHER = 0.02  # how far the colours of a bake are from the surface's own where it glows, at least
-# From texel to texel around what glows the irradiance falls no faster: between the texels of the colour,
-# which then rises as fast, a lookup's product of both is 4 % too bright at most.
+# From texel to texel around what glows the irradiance falls to no less than one over this: between the texels
+# of the colour, which then rises as fast, a lookup's product of both is a few per cent too bright.
 _FALL = 3.0
 _LEAST = 1e-4  # of the brightest glow: irradiance that it does not reach beyond
 _STEEPEST = 8.0  # times the light along the normal, of diffuse light and what is emitted with it
@@ -107,7 +107,7 @@ class Glow:
             if glow.any():
                 at = np.ix_(row[some], column)
                 whole = np.where(glow.any(axis=2, keepdims=True), colour[some] * irradiance[at] + glow, 0)
-                np.maximum.at(needed, at, whole)
+                np.maximum.at(needed, at, np.minimum(whole, _MOST))
         raised = _raised(irradiance, needed)
         if fixed is not None and fixed.any():
             beside_fixed = _widest(plan.placed(fixed[:, None], gutter=True))
@@ -115,10 +115,11 @@ class Glow:
             needed = np.where(beside_fixed, 0, needed)
         raised = plan.placed(raised.reshape(-1, 3)[plan.texel], gutter=True)
         raised = np.maximum(raised, needed)  # of lamps between texels, which count as gutter
-        other = (raised != irradiance).any(axis=2)
+        other = (raised != irradiance) | (needed > 0)  # what glows faintly needs no more irradiance
+        other = other.any(axis=2, keepdims=True)
         if known is not None:
-            return known.atlas.colour, np.where(other[..., None], known.atlas.irradiance, irradiance)
-        beside = _widest(other[..., None])[..., 0]
+            return known.atlas.colour, np.where(other, known.atlas.irradiance, irradiance)
+        beside = _widest(other)[..., 0]
         found, most = large_arrays.copied(colour), max(_BRIGHT, float(colour.max()))
         for some in every:
             rows, columns = np.nonzero(beside[np.ix_(row[some], column)])
@@ -256,16 +257,22 @@ def _image(capture: LayeredSamples, shown: Floats, falloff: Floats, fine: Bools,
 
 
 def _was_folded(capture: LayeredSamples, known: Known, number: int) -> bool:
-    """Whether the colours of a bake that is `known` are not the surface's own where a material glows."""
+    """Whether the colours of a bake that is `known` are not the surface's own where a material glows.
+
+    Anywhere in the material, where it emits nothing along the normal, as at a rim.
+    """
     own, colour = capture.fine, known.atlas.colour
     if colour.shape != own["diffuse"].shape:
         return False
-    off, count = 0.0, 0
+    every, glowing = np.zeros((2, 2))  # what is off, and how many texels: all, and those that glow
     for some in blocks(len(colour), max(1, _TEXELS // colour.shape[1])):
         here = own["material"][some, :, 0] == number
-        off += float(np.abs(colour[some] - own["diffuse"][some]).max(axis=2)[here].sum())
-        count += int(here.sum())
-    return off > _OTHER * count
+        off = np.abs(colour[some] - own["diffuse"][some]).max(axis=2)
+        every += off[here].sum(), here.sum()
+        here &= own["emission"][some].any(axis=2)
+        glowing += off[here].sum(), here.sum()
+    off_by, count = glowing if glowing[1] else every
+    return bool(off_by > _OTHER * count)
 
 
 def _cosine(light: LightSamples, some: Some) -> Floats:

@@ -54,7 +54,7 @@ class LightMap:
 
     def onto(self, irradiance: Floats, falloff: Floats, material: Ints) -> Floats:
         """The light, and where there is none the `irradiance` (K, 3), to go with a `falloff` (M, B, 3)."""
-        ratio = self.falloff.mean(axis=1) / np.maximum(falloff.mean(axis=1), 1e-6)
+        ratio = self.falloff.mean(axis=1) / np.maximum(falloff[: len(self.falloff)].mean(axis=1), 1e-6)
         light = self.light * ratio[np.minimum(material, len(ratio) - 1)]
         found: Floats = np.where(np.isfinite(self.light), light, irradiance).astype(np.float32)
         return found

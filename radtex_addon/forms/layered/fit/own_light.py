@@ -39,7 +39,7 @@ _ASKED_AT_ONCE = 1 << 18  # rays, of which few may meet the object
 class Surface:
     """What the fit says of the plan's texels so far.
 
-    `normal` (K, 3), the shading normals; `diffuse` (K, 3), along the normal, and its `falloff` by material;
+    `normal` (K, 3), the shading normals; `diffuse` (K, 3), before the `falloff`, which is by material;
     `tint` (K, 3), `width` (K,), what lobes' width² is multiplied by; `material` (K,); `free` (1, B, n*n), the
     kept mask, of the `grid`'s buckets. `lit`: by how much light falls on the texels, None for any. `tangent`
     (K, 3): along what they are brushed, None if none is.
