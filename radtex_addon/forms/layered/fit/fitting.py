@@ -145,7 +145,7 @@ class _Matt:
     @property
     def diffuse(self) -> Floats:
         """The light before the falloff, (K, 3)."""
-        return self.colour * self.irradiance
+        return self.irradiance * self.colour
 
 
 def _matt(
@@ -189,8 +189,9 @@ def _diffuse(
         falloff = found.falloff
     else:
         falloff, frontal = fit_falloffs(light, facing, material)
-    unseen = np.ones((max(capture.material_count - len(falloff), 0), *falloff.shape[1:]), np.float32)
-    falloff = np.concatenate([falloff, unseen])
+    unseen = capture.material_count - len(falloff)
+    if unseen > 0:
+        falloff = np.concatenate([falloff, np.ones((unseen, *falloff.shape[1:]), np.float32)])
     if frontal is not None and not parts.smooth:
         return falloff, np.divide(frontal, colour, out=np.zeros_like(frontal), where=colour > 1e-3)
     irradiance = fit_irradiance(light, facing, falloff, material, colour, neighbours, share)
