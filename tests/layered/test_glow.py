@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from radtex_addon.bake.light_samples import LightSamples, spread_shifts
+from radtex_addon.bake.plan import plan_of_picked
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.hemisphere import square_to_direction
 from radtex_addon.core.sampler import bilinear
@@ -108,6 +109,14 @@ def test_colour_times_irradiance_is_what_it_was_and_the_glow_whatever_is_beside_
     np.testing.assert_allclose(
         (found * bilinear(raised, uv).reshape(colour.shape))[30:34, 30:34], 0.7, rtol=1e-5
     )
+    column = np.arange(SIDE * SIDE) % SIDE
+    picked = plan_of_picked(PLAN, np.flatnonzero(column < 10))  # the last two are gutter
+    for tall, shown in ((4, 5.5), (48, 5.5 / 3)):  # in one texel of the gutter, or in half of them
+        lamps = np.zeros_like(image)
+        lamps[:tall, -4:] = 5
+        _, kept = Glow(glow.light, glow.falloff, lamps).folded(picked, colour, irradiance)
+        assert kept[0, -1, 0] == pytest.approx(shown)
+        assert (kept[1:, -2:] == kept[1:, 9:10]).all()
     fixed = (np.arange(SIDE * SIDE) % SIDE) > 6
     _, kept = glow.folded(PLAN, colour, irradiance, fixed)
     np.testing.assert_array_equal(kept[:, 6:], irradiance[:, 6:])  # and those that lookups blend with them

@@ -39,6 +39,7 @@ _OTHER = 0.02  # how far the colours of a bake are from the surface's own where 
 _FALL = 3.0
 _LEAST = 1e-4  # of the brightest glow: irradiance that it does not reach beyond
 _STEEPEST = 8.0  # times the light along the normal, of diffuse light and what is emitted with it
+_FEW = 0.05  # of the gutter's texels
 _MOST = 65504  # of half floats
 _BRIGHT = 1.1  # the brightest colour that a glow makes: others would have coarser steps in the dark
 _ROWS = 1 << 12  # texels whose samples are in hand at once
@@ -114,7 +115,7 @@ class Glow:
             raised = np.where(beside_fixed, irradiance, raised)
             needed = np.where(beside_fixed, 0, needed)
         raised = plan.placed(raised.reshape(-1, 3)[plan.texel], gutter=True)
-        raised = np.maximum(raised, needed)  # of lamps between texels, which count as gutter
+        raised = _with_lamps_between(raised, needed, len(plan.texel))
         other = (raised != irradiance) | (needed > 0)  # what glows faintly needs no more irradiance
         other = other.any(axis=2, keepdims=True)
         if known is not None:
@@ -140,6 +141,17 @@ def _raised(irradiance: Floats, needed: Floats) -> Floats:
         reach[(reach <= raised) | (reach < least)] = 0
         raised = np.maximum(raised, reach)
     return raised
+
+
+def _with_lamps_between(raised: Floats, needed: Floats, texels: int) -> Floats:
+    """The irradiance (H, W, 3) with what is `needed` of lamps where no texel has samples, which is gutter.
+
+    All but a few texels of the gutter stay copies of the nearest one: they show which UV layer a bake is of.
+    """
+    more = (needed > raised).any(axis=2)
+    if more.sum() > _FEW * (more.size - texels):
+        return raised
+    return cast(Floats, np.maximum(raised, needed))
 
 
 def _widest(image: Floats) -> Floats:
