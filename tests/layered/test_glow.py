@@ -111,11 +111,11 @@ def test_colour_times_irradiance_is_what_it_was_and_the_glow_whatever_is_beside_
     )
     column = np.arange(SIDE * SIDE) % SIDE
     picked = plan_of_picked(PLAN, np.flatnonzero(column < 10))  # the last two are gutter
-    for tall, shown in ((4, 5.5), (48, 5.5 / 3)):  # in one texel of the gutter, or in half of them
+    for tall, lit_as in ((4, 5.5), (48, 5.5 / 3)):  # in one texel of the gutter, or in half of them
         lamps = np.zeros_like(image)
         lamps[:tall, -4:] = 5
         _, kept = Glow(glow.light, glow.falloff, lamps).folded(picked, colour, irradiance)
-        assert kept[0, -1, 0] == pytest.approx(shown)
+        assert kept[0, -1, 0] == pytest.approx(lit_as)
         assert (kept[1:, -2:] == kept[1:, 9:10]).all()
     fixed = (np.arange(SIDE * SIDE) % SIDE) > 6
     _, kept = glow.folded(PLAN, colour, irradiance, fixed)
