@@ -137,8 +137,9 @@ def sample_falloff(falloff: Floats, cosine: Floats) -> Floats:
 def estimate_frontal(light: LightSamples, facing: Floats, falloff: Floats, material: Ints) -> Floats:
     """The diffuse light along the normal of each texel, and that estimate's variance: (2, 3, K).
 
-    By least squares; where light rises steeply towards the rim, as of sheen, by sums: samples there would
-    decide else, and rise otherwise with each base colour. Arguments as for `fit_irradiance`.
+    By least squares; where light rises steeply towards the rim, as of sheen, the sum of the light over that
+    of the falloff: squares would count the rim most, where each base colour has another falloff. Arguments
+    as for `fit_irradiance`.
     """
     steep = falloff.max(axis=1) > _STEEP * falloff[:, -1]
 

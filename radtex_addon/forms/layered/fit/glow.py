@@ -206,9 +206,8 @@ def fit_glow(
         last = curves[number, -1]
         frontal = found[own] * last
         off, all_of_it = ((along[own] - frontal) ** 2).sum(), (frontal**2).sum()
-        fine[number] = (
-            off <= _ALIKE * all_of_it and last.min() > _FRONTAL
-        )  # the map along the normal tells it
+        # Whether the map of what is emitted along the normal tells it:
+        fine[number] = off <= _ALIKE * all_of_it and last.min() > _FRONTAL
         glowing[number] = fine[number] or alone[number] or known is not None
         if glowing[number]:
             shown[own] = along[own] / last if fine[number] else found[own]
